@@ -10,12 +10,15 @@ mod copies;
 mod exchanged;
 mod fitted;
 mod found;
+mod looked;
 mod order;
 mod path;
 mod places;
 mod positions;
 mod readings;
+mod shown;
 mod sizes;
+mod ways;
 
 pub use found::Implausible;
 
@@ -30,5 +33,7 @@ pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let belong = positions.is_empty() && channels.is_empty() && sizes.is_empty();
     let readings = if belong { readings::implausible(runs) } else { Vec::new() };
     let order = order::implausible(runs, positions.is_empty());
-    [positions, channels, sizes, readings, copies::implausible(runs), order].concat()
+    let belong = belong && readings.is_empty() && order.is_empty();
+    let ways = if belong { runs.iter().flat_map(ways::not_filled_in).collect() } else { Vec::new() };
+    [positions, channels, sizes, readings, copies::implausible(runs), order, ways].concat()
 }

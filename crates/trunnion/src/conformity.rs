@@ -2,6 +2,7 @@
 //!
 //! E = max |d|    d deviation of the tool against the table at a point, as far as the instrument sees it
 //! As measured: what a nominal machine leaves of the readings once the settings are fitted. Corrected: what the model leaves.
+//! Where the others pass, a reading that was left out of the fit and is not within the tolerance leaves it undecided.
 //! u(E) is the scatter of a reading about the model. The maximum of many readings lies above the largest true deviation: E errs
 //! against the machine.
 
@@ -30,14 +31,23 @@ impl Fit {
     fn judged(&self, deviation_mm: &DVector<f64>, tolerance_um: f64) -> Judged {
         let (points, fitted) = (self.experiment().points(), self.identification());
         let size_mm = |i: usize| deviation_mm.rows_range(points.rows_of(i)).norm();
-        let largest = (0..points.points.len())
-            .filter(|&i| fitted.used[i])
-            .map(|i| (i, size_mm(i)))
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((at, mm)) = largest else { return Judged::default() };
-        let (largest_um, u_um) = (um_from_mm(mm), um_from_mm(reading_mm(fitted)));
-        let decision = Decision::of(largest_um, u_um, tolerance_um);
-        Judged { largest_um, u_um, at: self.place(at), decision }
+        let u_um = um_from_mm(reading_mm(fitted));
+        let judged = |of: &dyn Fn(&usize) -> bool| {
+            let sizes = (0..points.points.len()).filter(of).map(|i| (i, um_from_mm(size_mm(i))));
+            let (at, largest_um) = sizes.max_by(|a, b| a.1.total_cmp(&b.1))?;
+            let decision = Decision::of(largest_um, u_um, tolerance_um);
+            Some(Judged { largest_um, u_um, at: self.place(at), decision })
+        };
+        let of_fit = judged(&|i| fitted.used[*i]).unwrap_or_default();
+        // One wrong reading fails no machine, and hides no deviation either: the pose is to be read again.
+        let left_out = judged(&|i| !fitted.used[*i]).filter(|of| of.decision != Decision::Pass);
+        match left_out.filter(|_| of_fit.decision == Decision::Pass) {
+            Some(judged) => {
+                let at = format!("{}, a reading that was left out of the fit", judged.at);
+                Judged { at, decision: Decision::NotDecidable, ..judged }
+            }
+            None => of_fit,
+        }
     }
 
     /// Setup and position of a point.

@@ -9,7 +9,7 @@
 //! - Readings at rest that scatter as no machining centre in order does: a wrong unit, or something loose.
 
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification};
-use crate::problem::steps::{AGAINST, FEWEST_STEPS, only_direction, steps};
+use crate::problem::steps::{self, OneDirection};
 use crate::solve::linear::Reduced;
 use crate::{Experiment, Status};
 use nalgebra::DMatrix;
@@ -141,16 +141,10 @@ fn one_direction(experiment: &Experiment) -> Vec<Doubt> {
         return Vec::new();
     }
     let of_joint = |joint: Joint| {
-        let stated = only_direction(&experiment.points, joint)?;
-        let steps = steps(&experiment.points, joint);
-        let contrary = [steps.iter().filter(|step| step.is_contrary()).count(), steps.len()];
-        let is_doubted = steps.len() >= FEWEST_STEPS && contrary[0] as f64 > AGAINST * contrary[1] as f64;
+        let OneDirection { stated, contrary } = steps::one_direction(&experiment.points, joint)?;
         let reason = DoubtReason::OneDirection { joint, stated, contrary };
-        is_doubted.then(|| Doubt {
-            effect: None,
-            names: vec![format!("direction_{}", joint.lower())],
-            reason,
-        })
+        let names = vec![format!("direction_{}", joint.lower())];
+        Some(Doubt { effect: None, names, reason })
     };
     experiment.machine().joints().into_iter().filter_map(of_joint).collect()
 }

@@ -2,12 +2,14 @@
 //!
 //! A point is flagged when its residual is longer than 5 robust standard deviations (median length over the median of the
 //! χ distribution). More than two flagged one after the other, as they were taken, are structure that the model lacks, and more
-//! than 6 % flagged means that the model is wrong, not the points: then none is excluded. Hard deletion, iterated
-//! by [`excluded`] until it stays the same.
+//! than 6 % flagged means that the model is wrong, not the points: then none is excluded. So is what comes back at its pose: a point
+//! that leaves as much as another visit of its pose is the machine, however far it is from the rest. Hard deletion, iterated by
+//! [`excluded`] until it stays the same.
 
 use crate::Experiment;
 use crate::problem::sequence::in_order_taken;
 use nalgebra::DVector;
+use std::collections::HashMap;
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 
 const SIGMAS: f64 = 5.0;
@@ -28,10 +30,11 @@ pub(crate) fn excluded<T, E>(
     residual_mm: impl Fn(&T) -> &DVector<f64>,
 ) -> Result<(Vec<bool>, T), E> {
     let sequence = in_order_taken(experiment);
+    let poses = experiment.poses();
     let mut used = vec![true; experiment.points.len()];
     let mut fitted = fit(&used)?;
     for _ in 0..MOST_ROUNDS {
-        let kept = without_outliers(experiment, &sequence, residual_mm(&fitted));
+        let kept = without_outliers(experiment, (&sequence, &poses), residual_mm(&fitted));
         if kept == used {
             break;
         }
@@ -42,17 +45,30 @@ pub(crate) fn excluded<T, E>(
 }
 
 /// True for points to use.
-fn without_outliers(experiment: &Experiment, sequence: &[usize], residual_mm: &DVector<f64>) -> Vec<bool> {
+fn without_outliers(
+    experiment: &Experiment,
+    (sequence, poses): (&[usize], &[usize]),
+    residual_mm: &DVector<f64>,
+) -> Vec<bool> {
+    let of_point = |i: usize| residual_mm.rows_range(experiment.rows_of(i));
     let length = |i: usize| {
-        let rows = experiment.rows_of(i);
-        let of_median = MEDIAN_LENGTH[usize::from(rows.len() == 3)];
-        let norm = residual_mm.rows(rows.start, rows.len()).norm();
+        let of_median = MEDIAN_LENGTH[usize::from(experiment.rows_of(i).len() == 3)];
+        let norm = of_point(i).norm();
         (norm, norm / of_median)
     };
     let lengths: Vec<(f64, f64)> = (0..experiment.points.len()).map(length).collect();
     let sigma = upper_median(&lengths.iter().map(|(_, in_sigma)| *in_sigma).collect::<Vec<_>>());
     let sigma = sigma.unwrap_or(0.0).max(FINEST_MM);
-    let flags: Vec<bool> = sequence.iter().map(|&i| lengths[i].0 > SIGMAS * sigma).collect();
+    let is_far = |i: usize| lengths[i].0 > SIGMAS * sigma;
+    let mut far_at: HashMap<usize, Vec<usize>> = HashMap::new();
+    (0..poses.len()).filter(|&i| is_far(i)).for_each(|i| far_at.entry(poses[i]).or_default().push(i));
+    // Two readings of one error differ by √2 times the scatter of one.
+    let comes_back = |i: usize| {
+        let others = far_at[&poses[i]].iter().filter(|&&j| j != i);
+        let mut apart = others.map(|&j| (of_point(i) - of_point(j)).norm());
+        apart.any(|apart| apart <= SIGMAS * 2f64.sqrt() * sigma)
+    };
+    let flags: Vec<bool> = sequence.iter().map(|&i| is_far(i) && !comes_back(i)).collect();
     let mut used = vec![true; lengths.len()];
     for (&i, far) in sequence.iter().zip(isolated(flags)) {
         used[i] = !far;

@@ -7,7 +7,9 @@
 //! Limits: a channel that is stuck in two stretches of like length passes; one that is stuck at a resting machine is not looked at.
 
 use super::found::{Implausible, plain};
+use super::looked::is_good;
 use super::readings::FEWEST_POINTS;
+use super::shown::{SAME_MM, Shown, would_move};
 use trunnion_core::Point;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::signed;
@@ -15,12 +17,8 @@ use trunnion_cycles::Run;
 
 /// Chance of a stretch that long in a channel that is alive.
 const CHANCE: f64 = 1e-4;
-/// Readings that differ by less are one value, mm: a thousandth of the finest step that a points file of µm shows.
-const SAME_MM: f64 = 1e-8;
 /// A channel reads one value in at least this share of the points, in whatever order: the others are single wrong values.
 const DEAD_SHARE: f64 = 0.9;
-/// Steps of the display by which another channel moves meanwhile: one that moves by one or two may well rest in another direction.
-const ALIVE_STEPS: f64 = 10.0;
 /// Two channels read the same in at least this share of the points: of two probes only a coarse display makes some readings equal.
 const TIED_SHARE: f64 = 0.9;
 /// The largest value comes so many times as often as any value between the largest and the smallest. At the crest of a wave that a display
@@ -66,9 +64,7 @@ struct Stretch {
 
 impl<'a> Channels<'a> {
     fn of(run: &'a Run, setup: usize) -> Self {
-        let own = |(_, point): &(usize, &Point)| {
-            point.state.setup == setup && point.quality == trunnion_core::Quality::Good
-        };
+        let own = |(_, point): &(usize, &Point)| point.state.setup == setup && is_good(point);
         let (rows, points) =
             run.points.iter().enumerate().filter(own).map(|(row, point)| (row + 1, point)).unzip();
         Self { run, setup, points, rows }
@@ -91,6 +87,16 @@ impl<'a> Channels<'a> {
 
     fn is_same(&self, channel: usize, at: usize, other: usize) -> bool {
         (self.value_mm(channel, at) - self.value_mm(channel, other)).abs() < SAME_MM
+    }
+
+    fn shown(&self) -> Shown {
+        Shown::of(&self.run.setups[self.setup], self.points.iter().copied())
+    }
+
+    /// Good channels would have shown more than one value at these points.
+    fn would_move(&self, channels: &[usize], at: impl Iterator<Item = usize>) -> bool {
+        let rows: Vec<usize> = at.map(|at| self.rows[at]).collect();
+        would_move(self.run, self.setup, channels, &rows)
     }
 
     /// Stretches of one value between two points, the longest first.
@@ -134,6 +140,10 @@ impl<'a> Channels<'a> {
                 .then_some((channel, longest, all_rest))
         });
         let (channel, stretch, all_rest) = found?;
+        let asked = if all_rest { &channels[..] } else { &[channel] };
+        if !self.would_move(asked, stretch.first..=stretch.last) {
+            return None;
+        }
         let names = self.names();
         let which = match &names[..] {
             [_, _, ..] if all_rest => format!("{} each read", names.join(" and ")),
@@ -157,25 +167,26 @@ impl<'a> Channels<'a> {
             values.sort_by(f64::total_cmp);
             values
         };
-        let all: Vec<Vec<f64>> = (0..names.len()).map(sorted).collect();
-        let span =
-            |values: &Vec<f64>| values.last().zip(values.first()).map_or(0.0, |(last, first)| last - first);
-        let steps = all.iter().flat_map(|values| values.windows(2).map(|pair| pair[1] - pair[0]));
-        let step_mm = steps.filter(|step| *step > SAME_MM).fold(f64::INFINITY, f64::min);
-        let largest_mm = all.iter().map(span).fold(0.0, f64::max);
-        if count < FEWEST_POINTS || largest_mm < ALIVE_STEPS * step_mm {
+        let shown = self.shown();
+        if count < FEWEST_POINTS || !shown.is_alive() {
             return None;
         }
-        all.iter().zip(&names).find_map(|(values, name)| {
+        names.iter().enumerate().find_map(|(channel, name)| {
+            let values = sorted(channel);
+            let span_mm = values.last().zip(values.first()).map_or(0.0, |(last, first)| last - first);
             let same = values.chunk_by(|a, b| (a - b).abs() < SAME_MM);
-            let most = same.map(<[f64]>::len).max().unwrap_or(0);
-            let is_dead = most as f64 > DEAD_SHARE * count as f64 && span(values) < largest_mm;
+            let usual = same.max_by_key(|same| same.len())?;
+            let most = usual.len();
+            let at_usual = |at: &usize| (self.value_mm(channel, *at) - usual[0]).abs() < SAME_MM;
+            let is_dead = most as f64 > DEAD_SHARE * count as f64
+                && span_mm < shown.span_mm
+                && self.would_move(&[channel], (0..count).filter(at_usual));
             is_dead.then(|| {
                 plain(
                     format!(
                         "{}: {name} reads the same value in {most} of {count} points, while others move by {:.0} µm.",
                         self.run.name,
-                        um_from_mm(largest_mm)
+                        um_from_mm(shown.span_mm)
                     ),
                     CHECK_PROBE,
                 )
@@ -186,6 +197,9 @@ impl<'a> Channels<'a> {
     /// Two channels with the same values.
     fn tied(&self) -> Option<Implausible> {
         let (count, names) = (self.points.len(), self.names());
+        if count < FEWEST_POINTS || !self.shown().is_alive() {
+            return None;
+        }
         let pairs = (0..names.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
         let same = |a: usize, b: usize| {
             (0..count).filter(|&at| (self.value_mm(a, at) - self.value_mm(b, at)).abs() < SAME_MM).count()
@@ -193,15 +207,13 @@ impl<'a> Channels<'a> {
         let moves = |channel: usize| (1..count).any(|at| !self.is_same(channel, at, 0));
         let mut tied = pairs.map(|(a, b)| (a, b, same(a, b)));
         let (a, b, same) = tied.find(|&(a, _, same)| same as f64 > TIED_SHARE * count as f64 && moves(a))?;
-        (count >= FEWEST_POINTS).then(|| {
-            plain(
-                format!(
-                    "{}: {} and {} read the same value in {same} of {count} points.",
-                    self.run.name, names[a], names[b]
-                ),
-                "Two inputs read one probe, or a column was copied. Check the wiring and the file.",
-            )
-        })
+        Some(plain(
+            format!(
+                "{}: {} and {} read the same value in {same} of {count} points.",
+                self.run.name, names[a], names[b]
+            ),
+            "Two inputs read one probe, or a column was copied. Check the wiring and the file.",
+        ))
     }
 
     /// A largest or smallest value that comes far too often: the end of a range.
@@ -217,7 +229,9 @@ impl<'a> Channels<'a> {
             let usual = between.iter().map(|(_, count)| *count).max()?;
             let most = usual.saturating_mul(CLIPPED_TIMES).max(FEWEST_CLIPPED);
             let (value_mm, count) = [first, last].into_iter().find(|(_, count)| *count > most)?;
-            Some(plain(
+            let at_end = |at: &usize| (self.value_mm(channel, *at) - value_mm).abs() < SAME_MM;
+            let would_move = self.would_move(&[channel], (0..self.points.len()).filter(at_end));
+            would_move.then(|| plain(
                 format!(
                     "{}: {name} reads exactly {} µm in {count} of {} points, and never beyond.",
                     self.run.name,

@@ -1,12 +1,14 @@
 //! Is anything there twice?
 
 use super::found::{Implausible, plain};
+use super::shown::{Shown, would_differ};
 use trunnion_core::Point;
 use trunnion_cycles::Run;
 
 /// So many rows are needed before equal halves, or setups, are copies and no chance.
 const FEWEST: usize = 8;
-/// Share of the rows of a setup that equal those of another: of two measurements only a coarse display makes some rows equal.
+/// Share of the rows of a setup that equal those of another: of two measurements only a coarse display makes some rows equal,
+/// and all where it hides the noise.
 const ALIKE_SHARE: f64 = 0.9;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
@@ -81,8 +83,7 @@ fn setups(run: &Run) -> Option<Implausible> {
         *count >= FEWEST && *same as f64 > ALIKE_SHARE * *count as f64
     };
     let (a, b, count, same) = alike.find(is_copy)?;
-    let varies = of(a).any(|point| of(a).next().is_some_and(|first| first.reading_mm != point.reading_mm));
-    varies.then(|| {
+    (Shown::of(&run.setups[a], of(a)).is_alive() && would_differ(run, a)).then(|| {
         plain(
             format!(
                 "{}: the readings of setup {} are those of setup {} in {same} of {count} points, digit by digit.",

@@ -4,6 +4,7 @@ mod axes;
 
 use super::fitted::{Fitted, Tried};
 use super::found::Implausible;
+use super::looked::Looked;
 use crate::Experiment;
 use crate::noise::repeatability::repeatability;
 use crate::problem::passes::passes;
@@ -25,17 +26,16 @@ const GROSS_REPEATABILITIES: f64 = 5.0;
 const AS_GOOD: f64 = 1.25;
 
 /// The mistake with which readings and positions belong together.
-pub(super) fn exchanged(run: &Run) -> Option<Implausible> {
-    let experiment = Experiment::of_points(&[run]).ok()?;
-    let model = Fitted::new(&experiment)?;
+pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
+    let Looked { run, experiment, model, .. } = looked;
     let before_um = um_from_mm(model.rms_mm(&experiment.readings_mm()));
-    let repeated = repeatability(&experiment, &passes(&experiment));
+    let repeated = repeatability(experiment, &passes(experiment));
     let gross_um =
         repeated.map_or(GROSS_UM, |of| GROSS_UM.min(GROSS_REPEATABILITIES * um_from_mm(of.sigma_mm)));
     if before_um < gross_um || variation_um(run) < GROSS_UM {
         return None;
     }
-    let trial = Trial { run, experiment: &experiment, model: &model };
+    let trial = Trial { run, experiment, model };
     let tried = trial.all(before_um >= GROSS_UM);
     let least_mm = tried.iter().map(|(_, left_mm)| *left_mm).fold(f64::INFINITY, f64::min);
     let (mistake, left_mm) = tried.into_iter().find(|(_, left_mm)| *left_mm <= AS_GOOD * least_mm)?;

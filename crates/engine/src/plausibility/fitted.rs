@@ -11,30 +11,47 @@ const UNSEEN: f64 = 1e-6;
 /// A mistake, and what the model leaves with it undone, mm rms.
 pub(super) type Tried = (String, f64);
 
-/// Directions that the base model can explain.
+/// Columns of the base model; none where the machine of the experiment has no such model.
+pub(super) fn columns(experiment: &Experiment) -> Option<DMatrix<f64>> {
+    let machine = experiment.machine();
+    let model = Model::base(&machine.name);
+    let mut columns = DMatrix::zeros(experiment.rows(), 0);
+    for entry in &model.effects {
+        let instance = Instance::from_model_effect(entry, machine).ok()?;
+        let own = experiment.columns(&instance, &[]);
+        let at = columns.ncols();
+        columns = columns.insert_columns(at, own.ncols(), 0.0);
+        columns.columns_mut(at, own.ncols()).copy_from(&own);
+    }
+    Some(columns)
+}
+
+/// Directions that the base model can explain, fitted to some of the rows.
 pub(super) struct Fitted {
+    /// On every row; orthonormal on those of the fit.
+    directions: DMatrix<f64>,
+    /// The same, zero on the rows that are left out.
     basis: DMatrix<f64>,
 }
 
 impl Fitted {
     pub fn new(experiment: &Experiment) -> Option<Self> {
-        let machine = experiment.machine();
-        let model = Model::base(&machine.name);
-        let mut columns = DMatrix::zeros(experiment.rows(), 0);
-        for entry in &model.effects {
-            let instance = Instance::from_model_effect(entry, machine).ok()?;
-            let own = experiment.columns(&instance, &[]);
-            let at = columns.ncols();
-            columns = columns.insert_columns(at, own.ncols(), 0.0);
-            columns.columns_mut(at, own.ncols()).copy_from(&own);
-        }
-        let seen = Reduced::from_design(&columns).orthonormal(UNSEEN);
-        Some(Self { basis: columns * seen })
+        Some(Self::on(&columns(experiment)?, |_| true))
     }
 
-    /// What it leaves of readings, mm.
+    /// Fitted to the rows that are `used`.
+    pub fn on(columns: &DMatrix<f64>, used: impl Fn(usize) -> bool) -> Self {
+        let mut of_fit = columns.clone();
+        for row in (0..columns.nrows()).filter(|row| !used(*row)) {
+            of_fit.row_mut(row).fill(0.0);
+        }
+        let seen = Reduced::from_design(&of_fit).orthonormal(UNSEEN);
+        Self { directions: columns * &seen, basis: of_fit * seen }
+    }
+
+    /// What it leaves of readings, mm; of rows that were left out, how far they are from what the others say of them.
     pub fn left_mm(&self, readings_mm: &DVector<f64>) -> DVector<f64> {
-        readings_mm - &self.basis * self.basis.tr_mul(readings_mm)
+        readings_mm - &self.directions * self.basis.tr_mul(readings_mm)
     }
 
     /// The same, rms.

@@ -1,9 +1,8 @@
 //! Times and directions: does the order of the points make sense?
 
 use super::found::{Implausible, plain};
-use crate::problem::steps::{AGAINST, FEWEST_STEPS, only_direction, steps};
+use crate::problem::steps::{FEWEST_STEPS, only_direction, steps};
 use std::f64::consts::TAU;
-use trunnion_core::number::signed;
 use trunnion_core::{Joint, Point, statistics};
 use trunnion_cycles::{Run, RunKind};
 
@@ -14,9 +13,6 @@ const LONGEST_S: f64 = 3.0 * 86_400.0;
 /// taken for seconds.
 const FASTEST_RAD_PER_S: f64 = TAU;
 const FASTEST_MM_PER_S: f64 = 1000.0;
-/// So many equal steps in a row are a pass: in a random order of twelve positions two steps are equal with a chance below 1/12, and four
-/// in a row with one below 1/1000.
-const STREAK: usize = 4;
 /// Share of the steps against the stated directions, where both are stated: what is left are the returns to the beginning of a pass.
 const REVERSED: f64 = 0.9;
 /// A count is not that of a random order when it is so many standard deviations away: one in 700 on one side [normal distribution].
@@ -139,42 +135,22 @@ fn too_fast(run: &Run) -> Option<Implausible> {
     })
 }
 
-/// An axis whose stated directions go against its steps: one direction throughout, while whole passes go the other way, or both, exchanged.
+/// An axis whose stated directions are the opposite of its steps. One direction throughout is none of it: it may be an approach from one
+/// side, and is asked of the readings ([`super::ways`]).
 fn against(run: &Run, joint: Joint) -> Option<Implausible> {
-    if run.kind != RunKind::Static {
-        return None;
-    }
     let steps = steps(&run.points, joint);
-    if steps.len() < FEWEST_STEPS {
+    let count = steps.len();
+    if run.kind != RunKind::Static || count < FEWEST_STEPS || only_direction(&run.points, joint).is_some() {
         return None;
     }
     let column = format!("direction_{}", joint.lower());
-    let count = steps.len();
-    let Some(stated) = only_direction(&run.points, joint) else {
-        let contrary = steps.iter().filter(|step| step.is_contrary()).count();
-        return (contrary as f64 > REVERSED * count as f64).then(|| {
-            plain(
-                format!("{}: {column} is opposite to the motion of {joint} in {contrary} of {count} steps.", run.name),
-                &format!(
-                    "The signs of {column} are reversed, and backlash would have the wrong sign. Give +1 where {joint} came from below."
-                ),
-            )
-        });
-    };
-    let mut contrary = 0;
-    for streak in steps.chunk_by(|a, b| (a.moved - b.moved).abs() <= 1e-6 * a.moved.abs()) {
-        if streak.len() >= STREAK && streak[0].moved * stated < 0.0 {
-            contrary += streak.len();
-        }
-    }
-    (contrary as f64 > AGAINST * count as f64).then(|| {
+    let contrary = steps.iter().filter(|step| step.is_contrary()).count();
+    (contrary as f64 > REVERSED * count as f64).then(|| {
         plain(
-            format!(
-                "{}: {column} is always {}, but {joint} moves the opposite way in {contrary} of {count} steps.",
-                run.name,
-                signed(stated, 0),
+            format!("{}: {column} is opposite to the motion of {joint} in {contrary} of {count} steps.", run.name),
+            &format!(
+                "The signs of {column} are reversed, and backlash would have the wrong sign. Give +1 where {joint} came from below."
             ),
-            &format!("The directions were never filled in. Give {column} as the axis moved, or 0 where it is not known."),
         )
     })
 }

@@ -5,13 +5,13 @@
 //! s = n·y/n·n = 1. Where s is 0, the axes were never at these positions.
 
 use super::claim::off_mm;
-use super::fitted::{Fitted, rms};
+use super::fitted::rms;
 use super::found::Implausible;
-use crate::Experiment;
+use super::looked::{Looked, is_good};
 use crate::noise::learned::display::nominal_readings_mm;
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::{Joint, Point};
+use trunnion_core::{Joint, Point, statistics};
 use trunnion_cycles::{Run, RunKind};
 
 /// Positions with three decimals of a millimetre, as controls show them, hide 1 µm/√12 = 0.3 µm; with two they hide 2.9 µm. Between them, µm.
@@ -24,7 +24,8 @@ const OFF: f64 = 0.5;
 const STEPS_MM: [f64; 3] = [1.0, 0.1, 0.01];
 
 /// Positions of a run at rest that its readings do not show.
-pub(super) fn left(run: &Run) -> Option<Implausible> {
+pub(super) fn left(looked: &Looked) -> Option<Implausible> {
+    let Looked { run, experiment, model, .. } = looked;
     let of_probes = run
         .setups
         .iter()
@@ -32,9 +33,7 @@ pub(super) fn left(run: &Run) -> Option<Implausible> {
     if run.kind != RunKind::Static || !of_probes {
         return None;
     }
-    let experiment = Experiment::of_points(&[run]).ok()?;
-    let model = Fitted::new(&experiment)?;
-    let off = model.left_mm(&nominal_readings_mm(&experiment));
+    let off = model.left_mm(&nominal_readings_mm(experiment));
     if um_from_mm(rms(&off)) < HIDDEN_UM {
         return None;
     }
@@ -47,7 +46,7 @@ pub(super) fn left(run: &Run) -> Option<Implausible> {
     let [now_um, left_um] = [&without - &off, without].map(|left| um_from_mm(rms(&left)));
     Some(Implausible {
         rms_um_with_it: Some(left_um),
-        ..rounded(run, &off).unwrap_or_else(|| elsewhere(run, [now_um, left_um]))
+        ..rounded(run, &off).unwrap_or_else(|| elsewhere(looked, [now_um, left_um]))
     })
 }
 
@@ -73,23 +72,66 @@ fn rounded(run: &Run, off: &DVector<f64>) -> Option<Implausible> {
     })
 }
 
-fn elsewhere(run: &Run, [now_um, left_um]: [f64; 2]) -> Implausible {
-    let apart =
-        |point: &Point| off_mm(&run.machine, &run.setups[point.state.setup], &point.state.position).norm();
-    let far_mm: Vec<f64> = run.points.iter().map(apart).collect();
-    let farthest_mm = far_mm.iter().copied().fold(0.0, f64::max);
-    let off: Vec<usize> = (0..far_mm.len()).filter(|&at| far_mm[at] > OFF * farthest_mm).collect();
-    let [first, last] = [off.first(), off.last()].map(|at| at.map_or(0, |at| at + 1));
+fn elsewhere(looked: &Looked, [now_um, left_um]: [f64; 2]) -> Implausible {
+    let run = looked.whole;
+    let mut apart_mm = apart_mm(run);
+    let mut off = off_rows(&apart_mm);
+    if off.rows.len() == apart_mm.len() {
+        // All of them: what they have in common is a setting.
+        less_the_usual(&mut apart_mm, run.setups.len());
+        off = off_rows(&apart_mm);
+    }
+    let [first, last] = [off.rows.first(), off.rows.last()].map(|row| row.copied().unwrap_or_default());
     Implausible {
         finding: format!(
-            "{}: by their positions, ball and nest are up to {:.0} µm apart (most in points {first} to {last}), and the readings do not show it.",
+            "{}: by their positions, ball and nest move up to {:.0} µm apart (most in rows {first} to {last}), and the readings do not show it.",
             run.name,
-            um_from_mm(farthest_mm)
+            um_from_mm(off.farthest_mm)
         ),
         hypothesis: format!(
             "With the axes on the path of the ball {left_um:.1} µm rms are left, not {now_um:.1}. Another zero or work offset, or positions of other \
-             poses: check the positions of these points."
+             poses: check the positions of these rows."
         ),
         rms_um_with_it: None,
     }
+}
+
+/// From ball to nest by the position of a good point.
+struct Apart {
+    /// Counted from 1.
+    row: usize,
+    setup: usize,
+    mm: Vector3<f64>,
+}
+
+fn apart_mm(run: &Run) -> Vec<Apart> {
+    let good = (1..).zip(&run.points).filter(|(_, point)| is_good(point));
+    let apart = |(row, Point { state, .. }): (usize, &Point)| Apart {
+        row,
+        setup: state.setup,
+        mm: off_mm(&run.machine, &run.setups[state.setup], &state.position),
+    };
+    good.map(apart).collect()
+}
+
+/// Takes off the median of each setup.
+fn less_the_usual(apart: &mut [Apart], setups: usize) {
+    for setup in 0..setups {
+        let own: Vec<Vector3<f64>> = apart.iter().filter(|of| of.setup == setup).map(|of| of.mm).collect();
+        let usual = |k: usize| statistics::median(&own.iter().map(|mm| mm[k]).collect::<Vec<_>>());
+        let usual_mm = Vector3::from([0, 1, 2].map(|k| usual(k).unwrap_or(0.0)));
+        apart.iter_mut().filter(|of| of.setup == setup).for_each(|of| of.mm -= usual_mm);
+    }
+}
+
+/// Rows that are far off, and how far the farthest is.
+struct Off {
+    farthest_mm: f64,
+    rows: Vec<usize>,
+}
+
+fn off_rows(apart: &[Apart]) -> Off {
+    let farthest_mm = apart.iter().map(|of| of.mm.norm()).fold(0.0, f64::max);
+    let rows = apart.iter().filter(|of| of.mm.norm() > OFF * farthest_mm).map(|of| of.row).collect();
+    Off { farthest_mm, rows }
 }

@@ -2,6 +2,7 @@
 
 use super::exchanged::{self, GROSS_UM};
 use super::found::Implausible;
+use super::looked::Looked;
 use super::path;
 use crate::problem::poses::same_pose;
 use std::collections::HashMap;
@@ -15,35 +16,19 @@ use trunnion_cycles::Run;
 const NO_STRUCTURE: f64 = 0.75;
 /// Fewer points say nothing.
 pub(super) const FEWEST_POINTS: usize = 12;
-/// Longer runs are reduced to so many points, for time only.
-const MOST_POINTS: usize = 1_500;
-/// Neighbours that stay together: a reading that belongs to the row before is still next to it.
-const STRETCH: usize = 100;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
-    let small: Vec<Run> = runs.iter().map(thinned).collect();
-    let enough = || small.iter().filter(|run| run.points.len() >= FEWEST_POINTS);
-    let found: Vec<Implausible> = enough().filter_map(nothing_but_scatter).collect();
+    let looked: Vec<Looked> = runs
+        .iter()
+        .filter_map(Looked::at)
+        .filter(|looked| looked.run.points.len() >= FEWEST_POINTS)
+        .collect();
+    let found: Vec<Implausible> =
+        looked.iter().filter_map(|looked| nothing_but_scatter(&looked.run)).collect();
     if !found.is_empty() {
         return found;
     }
-    enough().filter_map(|run| exchanged::exchanged(run).or_else(|| path::left(run))).collect()
-}
-
-/// The run with some [`MOST_POINTS`] points: stretches of neighbours, evenly from its beginning to its end.
-fn thinned(run: &Run) -> Run {
-    let good: Vec<&Point> = run.good_points().collect();
-    let every = good.len().div_ceil(MOST_POINTS).max(1);
-    let chosen = good.iter().enumerate().filter(|(k, _)| (k / STRETCH).is_multiple_of(every));
-    // Field by field: a clone of the run would copy a million points to throw them away.
-    Run {
-        name: run.name.clone(),
-        machine: run.machine.clone(),
-        kind: run.kind,
-        setups: run.setups.clone(),
-        channels: run.channels.clone(),
-        points: chosen.map(|(_, point)| (*point).clone()).collect(),
-    }
+    looked.iter().filter_map(|looked| exchanged::exchanged(looked).or_else(|| path::left(looked))).collect()
 }
 
 /// Readings that depend neither on the pose nor on those before: backlash differs at one pose, and so does drift, but not from one

@@ -36,7 +36,9 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
 
 /// Air as hot as its number in Fahrenheit.
 fn too_hot(run: &Run) -> Option<Implausible> {
-    let of_air = |name: &String| AIR.iter().any(|air| name.to_lowercase().contains(air));
+    let of_air = |name: &String| {
+        name.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|word| AIR.contains(&word))
+    };
     run.channels.iter().enumerate().filter(|(_, name)| of_air(name)).find_map(|(channel, name)| {
         let read = run.good_points().filter_map(|point| point.state.temperature_degc.get(channel));
         let coolest_degc = read.copied().fold(f64::INFINITY, f64::min);
@@ -136,7 +138,8 @@ fn loose(run: &Run) -> Option<Implausible> {
                 names.get(worst).copied().unwrap_or_default(),
                 all_um[worst]
             ),
-            "The probe is loose, dirty or defective. Check it, and measure again.",
+            "The probe is loose, dirty or defective, or an axis that moves along it comes back as badly (play, hysteresis). Check the probe, read a pose \
+             again from one side, and measure again.",
         )
     })
 }

@@ -5,7 +5,7 @@ use trunnion_core::{Joint, Point};
 
 /// Share of the steps that must go against one stated direction: in a cycle of one direction each pass, of four steps or more, may be
 /// followed by one step back.
-pub(crate) const AGAINST: f64 = 0.2;
+const AGAINST: f64 = 0.2;
 /// Steps of an axis below which nothing is said of its direction: two passes.
 pub(crate) const FEWEST_STEPS: usize = 8;
 
@@ -44,4 +44,20 @@ pub(crate) fn only_direction(points: &[Point], joint: Joint) -> Option<f64> {
     let stated = points.first()?.state.direction[joint];
     let is_only = stated != 0.0 && points.iter().all(|point| point.state.direction[joint] == stated);
     is_only.then_some(stated)
+}
+
+/// One stated direction of an axis that went both ways.
+pub(crate) struct OneDirection {
+    pub stated: f64,
+    /// Steps that went the other way, and all.
+    pub contrary: [usize; 2],
+}
+
+/// `None` where both directions are stated, or the axis hardly went the other way.
+pub(crate) fn one_direction(points: &[Point], joint: Joint) -> Option<OneDirection> {
+    let stated = only_direction(points, joint)?;
+    let steps = steps(points, joint);
+    let contrary = [steps.iter().filter(|step| step.is_contrary()).count(), steps.len()];
+    let went_both_ways = steps.len() >= FEWEST_STEPS && contrary[0] as f64 > AGAINST * contrary[1] as f64;
+    went_both_ways.then_some(OneDirection { stated, contrary })
 }

@@ -90,7 +90,7 @@ impl Files {
 type Mistake = (&'static str, fn(&mut Files), &'static [&'static str]);
 
 /// What is spoilt, and what must be said of it.
-const MISTAKES: [Mistake; 31] = [
+const MISTAKES: [Mistake; 30] = [
     ("B and C exchanged", |f| f.exchange("b_deg", "c_deg"), &["follow the ball", "B and C exchanged"]),
     ("X and Z exchanged", |f| f.exchange("x_mm", "z_mm"), &["follow the ball", "X and Z exchanged"]),
     ("sense of B", |f| f.change("b_deg", |v| -v), &["follow the ball", "sense of B reversed"]),
@@ -183,11 +183,6 @@ const MISTAKES: [Mistake; 31] = [
     ),
     ("rows reversed in time", |f| f.change("time_s", |v| 1e5 - v), &["time runs backward"]),
     ("milliseconds", |f| f.change("time_s", |v| v * 1e3), &["days, which is too long", "milliseconds"]),
-    (
-        "directions never filled in",
-        |f| ["direction_b", "direction_c"].into_iter().for_each(|c| f.change(c, |_| 1.0)),
-        &["direction_b is always +1", "opposite way"],
-    ),
     ("rows twice", |f| f.rows.extend(f.rows.clone()), &["336 of 672 points are copies"]),
     (
         "setups exchanged",

@@ -2,7 +2,7 @@
 
 use crate::mistakes::{Files, READINGS};
 use std::path::PathBuf;
-use trunnion::results::{DoubtReason, Verdict};
+use trunnion::results::{Decision, DoubtReason, Verdict};
 
 const SETS: [&str; 4] =
     ["points-gravity", "points-backlash-and-drift", "points-nothing-hidden", "points-unnamed"];
@@ -22,6 +22,81 @@ fn a_coarse_display_is_not_taken_for_a_stuck_probe() {
             );
         }
     }
+}
+
+/// A table that turns without an axial error larger than a step of the display leaves the probe along its axis at one value, at two heights
+/// alike; one that tilts there and back comes through its zero position, and the probe along the axis back to its largest value.
+#[test]
+fn a_coarse_display_of_a_quiet_machine_raises_no_doubt() {
+    for (step_um, tilts) in [(0.5, false), (1.0, false), (1.0, true), (2.0, true)] {
+        let mut files = Files::committed("points-nothing-hidden");
+        let [b, c] = ["b_deg", "c_deg"].map(|name| files.column(name));
+        let angle = |row: &[String], column: usize| row[column].parse::<f64>().unwrap();
+        files.rows.retain(|row| angle(row, b) == 0.0 || tilts && angle(row, c) == 0.0);
+        let columns = READINGS.map(|name| files.column(name));
+        for (k, row) in files.rows.iter_mut().enumerate() {
+            let [b, c] = [b, c].map(|column| angle(row, column).to_radians());
+            // A ball 30 µm off the table's axis and 20 µm off the tilting one, and what else no fit can know.
+            let read = [30.0 * c.cos() - 20.0 * b.sin(), -30.0 * c.sin(), 20.0 * b.cos() - 18.0];
+            for (channel, (column, um)) in columns.into_iter().zip(read).enumerate() {
+                let noise = 0.15 * ((k * 3 + channel) as f64 * 12.9898).sin();
+                row[column] = format!("{:.2}", ((um + noise) / step_um).round() * step_um);
+            }
+        }
+        assert_eq!(files.open().check().plausibility, [], "{step_um} µm, {tilts}");
+    }
+}
+
+/// It is left out of the fit, and says nothing of the other readings.
+#[test]
+fn one_wrong_reading_is_no_mistake_of_all() {
+    for row in [0, 100, 335] {
+        let mut files = Files::committed("points-nothing-hidden");
+        let column = files.column("dx_um");
+        let read: f64 = files.rows[row][column].parse().unwrap();
+        files.rows[row][column] = format!("{:.2}", read + 2000.0);
+        let run = files.open();
+        assert_eq!(run.check().plausibility, [], "row {row}");
+        let fit = run.fit(&run.base_model()).unwrap();
+        assert_eq!(fit.results().outliers, 1, "row {row}");
+        let conformity = fit.conformity(80.0, "a test").unwrap();
+        assert_eq!(conformity.as_measured.decision, Decision::NotDecidable, "row {row}");
+        assert!(conformity.as_measured.at.ends_with("left out of the fit"), "{conformity:?}");
+    }
+}
+
+/// What comes back at one pose in every visit is the machine, however far it is from the rest.
+#[test]
+fn an_error_of_one_pose_that_comes_back_is_neither_left_out_nor_passed() {
+    let mut files = Files::committed("points-nothing-hidden");
+    let [b, c, dx] = ["b_deg", "c_deg", "dx_um"].map(|name| files.column(name));
+    let at = |row: &[String], column: usize| row[column].parse::<f64>().unwrap();
+    for row in files.rows.iter_mut().filter(|row| at(row, b) == 60.0 && at(row, c) == 90.0) {
+        row[dx] = format!("{:.2}", at(row, dx) + 90.0);
+    }
+    let run = files.open();
+    let fit = run.fit(&run.base_model()).unwrap();
+    assert_eq!(fit.results().outliers, 0);
+    let conformity = fit.conformity(60.0, "a test").unwrap();
+    assert_eq!(
+        [conformity.as_measured.decision, conformity.corrected.decision],
+        [Decision::Fail; 2],
+        "{conformity:?}"
+    );
+    assert_eq!(fit.diagnose().unwrap().results().verdict, Verdict::UnnamedStructure);
+}
+
+/// Every pose may have been approached from one side: a doubt. Where the readings know the way, play would be taken for something else.
+#[test]
+fn directions_that_were_never_filled_in_are_named_where_the_readings_know_the_way() {
+    let found = |set: &str| {
+        let mut files = Files::committed(set);
+        ["direction_b", "direction_c"].into_iter().for_each(|column| files.change(column, |_| 1.0));
+        files.open().check().plausibility
+    };
+    assert_eq!(found("points-nothing-hidden"), []);
+    let of_play = found("points-backlash-and-drift");
+    assert!(of_play.iter().any(|one| one.finding.contains("the readings know the way")), "{of_play:?}");
 }
 
 #[test]

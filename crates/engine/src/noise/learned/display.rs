@@ -29,10 +29,15 @@ impl Display {
     /// `None` where neither the readings nor their deviations from nominal are multiples of one step.
     pub fn of(experiment: &Experiment) -> Option<Self> {
         let readings_mm = experiment.readings_mm();
-        let of = |values: &DVector<f64>, of_deviations| {
-            step_mm(values).map(|step_mm| Self { step_mm, of_deviations })
+        let deviations_mm = &readings_mm - nominal_readings_mm(experiment);
+        let shown = [(&readings_mm, false), (&deviations_mm, true)];
+        let by = |rule: fn(&[f64]) -> Option<f64>| {
+            shown.into_iter().find_map(|(values, of_deviations)| {
+                let step_mm = rule(&gaps_mm(values)?)?;
+                Some(Self { step_mm, of_deviations })
+            })
         };
-        of(&readings_mm, false).or_else(|| of(&(readings_mm - nominal_readings_mm(experiment)), true))
+        by(smallest_mm).or_else(|| by(common_mm))
     }
 
     /// Standard deviation of what rounding to a step hides, mm: all values within a step are equally likely [GUM F.2.2.1].
@@ -82,16 +87,32 @@ pub(crate) fn nominal_readings_mm(experiment: &Experiment) -> DVector<f64> {
     nominal
 }
 
-/// Smallest difference between values where all are its multiples, mm.
-fn step_mm(values_mm: &DVector<f64>) -> Option<f64> {
+/// Differences between the values, mm; none where there are as many values as readings, which show no step.
+fn gaps_mm(values_mm: &DVector<f64>) -> Option<Vec<f64>> {
     let mut values: Vec<f64> = values_mm.iter().copied().collect();
     values.sort_by(f64::total_cmp);
     let gaps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|d| *d > FINEST_MM).collect();
-    let step = gaps.iter().copied().fold(f64::INFINITY, f64::min);
-    // As many values as readings show no step.
-    let repeats = gaps.len() + 1 < values.len();
-    let whole = gaps.iter().filter(|gap| ((*gap / step) - (*gap / step).round()).abs() < WHOLE).count();
-    (repeats && step.is_finite() && whole as f64 > ALL * gaps.len() as f64).then_some(step)
+    (gaps.len() + 1 < values.len()).then_some(gaps)
+}
+
+/// The smallest where nearly all are its multiples.
+fn smallest_mm(gaps_mm: &[f64]) -> Option<f64> {
+    let step = gaps_mm.iter().copied().fold(f64::INFINITY, f64::min);
+    let whole = gaps_mm.iter().filter(|gap| ((*gap / step) - (*gap / step).round()).abs() < WHOLE).count();
+    (step.is_finite() && whole as f64 > ALL * gaps_mm.len() as f64).then_some(step)
+}
+
+/// The largest step of which all are multiples, by Euclid's algorithm; none where they have none but the finest. It is found where few values
+/// are shown, none of them next to each other.
+fn common_mm(gaps_mm: &[f64]) -> Option<f64> {
+    let divisor = |mut a: i64, mut b: i64| {
+        while b != 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let units = gaps_mm.iter().map(|gap| (gap / FINEST_MM).round() as i64);
+    units.reduce(divisor).filter(|step| *step > 1).map(|step| step as f64 * FINEST_MM)
 }
 
 #[cfg(test)]
@@ -101,8 +122,13 @@ mod tests {
     #[test]
     fn a_coarse_display_is_noticed_and_a_fine_one_is_not() {
         let shown = DVector::from_fn(200, |i, _| ((i as f64 * 1.37).sin() * 7.0 / 0.87).round() * 0.87e-3);
-        assert!((step_mm(&shown).unwrap() - 0.87e-3).abs() < 1e-9);
+        let gaps = gaps_mm(&shown).unwrap();
+        assert!((smallest_mm(&gaps).unwrap() - 0.87e-3).abs() < 1e-9);
+        let few = DVector::from_fn(96, |i, _| [-30.0, -26.0, -15.0, 0.0, 2.0, 15.0][i % 6] * 1e-3);
+        let gaps = gaps_mm(&few).unwrap();
+        assert_eq!(smallest_mm(&gaps), None);
+        assert!((common_mm(&gaps).unwrap() - 1e-3).abs() < 1e-9);
         let fine = DVector::from_fn(200, |i, _| (i as f64 * 1.37).sin() * 7e-3);
-        assert_eq!(step_mm(&fine), None);
+        assert_eq!(gaps_mm(&fine), None);
     }
 }

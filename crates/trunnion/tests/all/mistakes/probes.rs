@@ -56,7 +56,7 @@ fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-pub const PROBES: [ProbeMistake; 23] = [
+pub const PROBES: [ProbeMistake; 24] = [
     (
         "every probe at the input of the next",
         GRAVITY,
@@ -186,7 +186,7 @@ pub const PROBES: [ProbeMistake; 23] = [
         "another work offset from row 151 on",
         GRAVITY,
         |f| (150..336).for_each(|row| f.set(row, "x_mm", f.number(row, "x_mm") + 0.2, 4)),
-        &["up to 200 µm apart (most in points 151 to 336)", "work offset"],
+        &["up to 200 µm apart (most in rows 151 to 336)", "work offset"],
     ),
     (
         "a wrong digit in one position",
@@ -205,6 +205,12 @@ pub const PROBES: [ProbeMistake; 23] = [
         GRAVITY,
         |f| f.late(&["c_deg"]),
         &["the positions of C, which are one row late, moved up (setup high alone)"],
+    ),
+    (
+        "directions never filled in, and play",
+        "points-backlash-and-drift",
+        |f| ["direction_b", "direction_c"].into_iter().for_each(|c| f.change(c, |_| 1.0)),
+        &["direction_c is always +1", "the readings know the way"],
     ),
     (
         "directions reversed",

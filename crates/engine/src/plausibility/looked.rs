@@ -1,0 +1,76 @@
+//! A run as the rules of readings and positions look at it: some of its points, without those that no fit keeps.
+//!
+//! A single wrong reading is left out of every fit and told there; here it would speak for a mistake in all of them, such as readings
+//! that are one row late where it is the first.
+
+use super::fitted::{Fitted, columns};
+use crate::Experiment;
+use crate::noise::outliers::excluded;
+use nalgebra::DVector;
+use std::convert::Infallible;
+use trunnion_core::Point;
+use trunnion_cycles::Run;
+
+/// Longer runs are reduced to so many points, for time only.
+pub(super) const MOST_POINTS: usize = 1_500;
+/// Neighbours that stay together: a reading that belongs to the row before is still next to it.
+const STRETCH: usize = 100;
+
+/// More of them are no single ones: a mistake in all readings leaves some farther off than the rest.
+const MOST_WRONG: f64 = 0.01;
+
+/// Good points of a run with the base model fitted to them.
+pub(super) struct Looked<'a> {
+    /// All of it.
+    pub whole: &'a Run,
+    pub run: Run,
+    pub experiment: Experiment,
+    pub model: Fitted,
+}
+
+impl<'a> Looked<'a> {
+    /// `None` where the run has no base model or no points.
+    pub fn at(run: &'a Run) -> Option<Self> {
+        let whole = Experiment::of_points(&[with_points(run, thinned(run))]).ok()?;
+        let columns = columns(&whole)?;
+        let readings_mm = whole.readings_mm();
+        let fit = |used: &[bool]| -> Result<DVector<f64>, Infallible> {
+            let of_row: Vec<bool> =
+                (0..used.len()).flat_map(|i| whole.rows_of(i).map(move |_| used[i])).collect();
+            Ok(Fitted::on(&columns, |row| of_row[row]).left_mm(&readings_mm))
+        };
+        let Ok((mut kept, _)) = excluded(&whole, fit, |left_mm| left_mm);
+        let wrong = kept.iter().filter(|kept| !**kept).count();
+        if wrong as f64 > MOST_WRONG * kept.len() as f64 {
+            kept.fill(true);
+        }
+        let experiment = whole.kept(&kept);
+        let looked_at = with_points(run, experiment.points.iter().collect());
+        let model = Fitted::new(&experiment)?;
+        Some(Self { whole: run, run: looked_at, experiment, model })
+    }
+}
+
+/// Some [`MOST_POINTS`] good points: stretches of neighbours, evenly from the beginning to the end.
+pub(super) fn thinned(run: &Run) -> Vec<&Point> {
+    let good: Vec<&Point> = run.good_points().collect();
+    let every = good.len().div_ceil(MOST_POINTS).max(1);
+    let chosen = good.into_iter().enumerate().filter(|(k, _)| (k / STRETCH).is_multiple_of(every));
+    chosen.map(|(_, point)| point).collect()
+}
+
+pub(super) fn is_good(point: &Point) -> bool {
+    point.quality == trunnion_core::Quality::Good
+}
+
+/// The run with some of its points. Field by field: a clone of the run would copy a million points to throw them away.
+pub(super) fn with_points(run: &Run, points: Vec<&Point>) -> Run {
+    Run {
+        name: run.name.clone(),
+        machine: run.machine.clone(),
+        kind: run.kind,
+        setups: run.setups.clone(),
+        channels: run.channels.clone(),
+        points: points.into_iter().cloned().collect(),
+    }
+}
