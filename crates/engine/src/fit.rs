@@ -204,10 +204,14 @@ fn parameter(joint: &SideBySide, fit: &Converged, covariance: &DMatrix<f64>, j: 
         fit.datum.directions.iter().filter(holds).map(|direction| direction.terms[0].0)
     };
     let effect_of = |k: usize| joint.effects[joint.effect_of[k]].id.as_str();
-    let mut stands_for: Vec<&str> = part_of(Share::Others).map(name).collect();
+    let mut stands_for: Vec<String> = part_of(Share::Others).map(|k| name(k).into()).collect();
     if status == Status::Identified {
-        stands_for.extend(part_of(Share::Base).map(effect_of));
+        stands_for.extend(part_of(Share::Base).map(|k| effect_of(k).into()));
         stands_for.dedup();
+    }
+    let of_resting: Vec<&str> = part_of(Share::Mounting).map(name).collect();
+    if !of_resting.is_empty() {
+        stands_for.push(format!("{}, its axis at rest", of_resting.join(", ")));
     }
     let is_pivot = |d: &Direction| d.share == Share::Mounting && d.terms[0].0 == j;
     let of_standing = fit.datum.directions.iter().any(is_pivot);

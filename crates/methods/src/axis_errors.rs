@@ -101,8 +101,26 @@ impl AxisErrors {
                 settings.insert(entry.id.as_str());
             }
         }
-        let solution = representative(fit, &settings);
+        let mut solution = representative(fit, &settings);
         let (mut tabulated, mut left_out) = (Vec::new(), Vec::new());
+        for resting in fit.unobservable.iter().filter(|direction| direction.at_rest) {
+            let machine_errors = resting.inside[1..]
+                .iter()
+                .map(|(j, _)| *j)
+                .filter(|j| !settings.contains(fit.parameters[*j].effect.as_str()) && solution[*j] != 0.0);
+            for j in machine_errors.collect::<Vec<_>>() {
+                let FittedParameter { name, effect, .. } = &fit.parameters[j];
+                solution[j] = 0.0;
+                left_out.push(NotTabulated {
+                    effect: effect.clone(),
+                    why: format!(
+                        "{name} holds {} as well, whose axis was at rest in these runs: entered, it would be right only where that axis stood. \
+                         Measure with it at several positions",
+                        resting.terms[0].0
+                    ),
+                });
+            }
+        }
         for entry in &model.effects {
             let instance = Instance::from_model_effect(entry, &scene.machine)?;
             let of_effect = |(_, p): &(usize, &FittedParameter)| p.effect == entry.id;

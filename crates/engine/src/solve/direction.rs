@@ -24,6 +24,8 @@ pub struct Unobservable {
     pub inside: Vec<(usize, f64)>,
     /// Why, and what the numbers given mean.
     pub why: String,
+    /// Its first parameter is of an axis at rest: the others stand for it only where that axis stood.
+    pub at_rest: bool,
 }
 
 /// What a parameter is called and how its numbers are shown.

@@ -319,7 +319,11 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
         // A location error: direction, 0, name of the axis.
         let axis = pivot.split_once('0').map_or(pivot.as_str(), |(_, axis)| axis);
         let why = format!("not observable: axis {axis} is at rest in these runs; taken as 0");
-        return Unobservable { direction: pivot, terms, inside, why };
+        let why = match &others[..] {
+            [] => why,
+            _ => format!("{why}, and contained, as {axis} stands, in {}", others.join(", ")),
+        };
+        return Unobservable { direction: pivot, terms, inside, why, at_rest: true };
     }
     let why = if others.is_empty() {
         format!("not observable: {pivot} {} of these runs", how("s"))
@@ -348,7 +352,7 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
         };
         format!("{pivot} is confounded with {others} in these runs; by convention {pivot} = 0{meaning}")
     };
-    Unobservable { direction: spell(&terms), terms, inside, why }
+    Unobservable { direction: spell(&terms), terms, inside, why, at_rest: false }
 }
 
 /// `EX0A - 0.5 EX0C`.

@@ -16,6 +16,7 @@ mod one_answer;
 mod periods;
 mod plausible;
 mod replayed;
+mod resting;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
 mod section;
