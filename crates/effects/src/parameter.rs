@@ -30,8 +30,8 @@ pub struct Parameter {
     pub limit: Option<Limit>,
     /// True for a change at one moment. A display shows any slow change as sudden ones, each of one step.
     pub sudden: bool,
-    /// What a negative value would say, where machines usually have a positive one.
-    pub negative: Option<&'static str>,
+    /// What a positive and what a negative value say of the machine, where a person can tell which of them is true.
+    pub meaning: Option<[&'static str; 2]>,
     /// Standard uncertainty beforehand, inside units, of what no reading shows to first order: the tilt of a beam.
     pub u_beforehand: Option<f64>,
 }
@@ -180,7 +180,7 @@ impl Shapes {
 impl Parameter {
     /// A parameter.
     pub fn new(name: impl Into<String>, unit: Unit) -> Self {
-        Self { name: name.into(), unit, limit: None, sudden: false, negative: None, u_beforehand: None }
+        Self { name: name.into(), unit, limit: None, sudden: false, meaning: None, u_beforehand: None }
     }
 
     /// The same where a larger size is not physical.
@@ -195,10 +195,10 @@ impl Parameter {
         Self { u_beforehand, ..self }
     }
 
-    /// The same where machines usually have a positive value.
+    /// The same where a positive and a negative value say something that a person can see.
     #[must_use]
-    pub fn usually_positive(self, negative: &'static str) -> Self {
-        Self { negative: Some(negative), ..self }
+    pub fn meaning(self, of_signs: [&'static str; 2]) -> Self {
+        Self { meaning: Some(of_signs), ..self }
     }
 
     /// The same where it changes the readings at one moment.

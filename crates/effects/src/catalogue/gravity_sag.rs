@@ -62,16 +62,25 @@ pub(crate) static EFFECT: Effect = Effect {
     },
 };
 
+const UPRIGHT: &str = "the frame gives way more upright than lying on its side";
+const LYING: &str = "the frame gives way more lying on its side than upright";
+
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     match axis_of(&scene.machine, subject) {
-        Some(axis) if scene.moves(axis.letter) => vec![
-            // A frame is built to carry its weight upright: S1 §5.3 has 13 µm upright and 19 µm lying, which is positive.
-            Parameter::new("anisotropy", Unit::UM)
-                .usually_positive("upright the frame would give way more than lying on its side"),
-            Parameter::new("skewness", Unit::UM),
-            Parameter::new("windup.sin", Unit::URAD),
-            Parameter::new("windup.cos", Unit::URAD),
-        ],
+        Some(axis) if scene.moves(axis.letter) => {
+            // p is the compliance along e₁, which is vertical at the zero position of a frame about Y and horizontal of one about X.
+            let across = across(&axis.direction);
+            let of_signs = match across.first.z.abs() > across.second.z.abs() {
+                true => [UPRIGHT, LYING],
+                false => [LYING, UPRIGHT],
+            };
+            vec![
+                Parameter::new("anisotropy", Unit::UM).meaning(of_signs),
+                Parameter::new("skewness", Unit::UM),
+                Parameter::new("windup.sin", Unit::URAD),
+                Parameter::new("windup.cos", Unit::URAD),
+            ]
+        }
         _ => Vec::new(),
     }
 }
@@ -99,6 +108,31 @@ mod tests {
     use crate::Instance;
     use trunnion_core::Joint;
     use trunnion_machine::shipped;
+
+    /// Along machine Z the frame is lower lying than upright where it gives way more lying.
+    #[test]
+    fn the_sign_says_in_which_position_the_frame_gives_way_more() {
+        for (machine, id, axis) in
+            [("table-bc", "gravity-sag:B", Joint::B), ("table-ac", "gravity-sag:A", Joint::A)]
+        {
+            let machine = shipped::machine(machine).unwrap();
+            let mut state = State::default();
+            state.position[axis] = std::f64::consts::FRAC_PI_2;
+            let scene =
+                Scene::new(machine.clone(), Vec::new(), Vec::new(), [State::default(), state.clone()].iter());
+            let instance = Instance::find(id, &machine).unwrap();
+            let anisotropy = instance.parameters(&scene).remove(0);
+            let mut lower = 0.0;
+            instance.motions(&scene, &[], &state, &mut |i, _, twist| {
+                lower -= if i == 0 { twist.translation_mm.z } else { 0.0 };
+            });
+            assert_eq!(
+                anisotropy.meaning.unwrap()[0],
+                if lower > 0.0 { LYING } else { UPRIGHT },
+                "{id}: {lower}"
+            );
+        }
+    }
 
     #[test]
     fn sag_is_zero_upright_and_grows_as_one_minus_cos_2b() {

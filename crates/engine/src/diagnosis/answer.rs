@@ -67,7 +67,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         (true, false) => (Verdict::UnnamedStructure, String::new(), String::new()),
     };
     let unfitted = refits.unfitted.iter().map(Unfitted::words);
-    for sentence in unfitted.chain(context.against_usual_sign(&listed, &refits.candidates)) {
+    for sentence in unfitted.chain(context.meaning_of_sign(&listed, &refits.candidates)) {
         why = format!("{why} {sentence}").trim_start().into();
     }
     if verdict == Verdict::UnnamedStructure && formula.is_none() && next.is_empty() {
@@ -247,11 +247,10 @@ impl Context<'_> {
         })
     }
 
-    /// Of what was found, what has a sign that its cause usually has not.
-    fn against_usual_sign(&self, listed: &[(usize, Item)], refits: &[Option<Refit>]) -> Option<String> {
+    /// What the signs of what was found say of the machine.
+    fn meaning_of_sign(&self, listed: &[(usize, Item)], refits: &[Option<Refit>]) -> Option<String> {
         let scene = &self.problem.experiment().scene;
-        self.found_refits(listed, refits)
-            .find_map(|(instance, refit)| refit.against_usual_sign(instance, scene))
+        self.found_refits(listed, refits).find_map(|(instance, refit)| refit.meaning_of_sign(instance, scene))
     }
 
     /// Ids of what was found with an effect in the model.

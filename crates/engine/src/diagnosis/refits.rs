@@ -9,7 +9,7 @@ use trunnion_core::chain;
 use trunnion_core::convert::um_from_mm;
 use trunnion_effects::{Instance, ModelEffect, Scene, Unit};
 
-/// A value below zero by so many of its standard uncertainties is negative: one in 700 is so by chance [normal distribution].
+/// A value so many of its standard uncertainties from zero has a sign: one in 700 has the wrong one by chance [normal distribution].
 const SURE: f64 = 3.0;
 
 /// A fit of the model with something added.
@@ -111,18 +111,18 @@ impl Refit {
         })
     }
 
-    /// What speaks for readings of which every sign is reversed: a parameter of `instance` with a sign that its cause usually has not.
-    pub fn against_usual_sign(&self, instance: &Instance, scene: &Scene) -> Option<String> {
+    /// What a parameter of `instance` says of the machine by its sign, which readings with every sign reversed turn round.
+    pub fn meaning_of_sign(&self, instance: &Instance, scene: &Scene) -> Option<String> {
         let id = instance.id();
         instance.parameters(scene).into_iter().find_map(|parameter| {
-            let negative = parameter.negative?;
+            let [positive, negative] = parameter.meaning?;
             let own = self.fit.parameters.iter().find(|p| p.effect == id && p.name == parameter.name)?;
             let (value, u) = own.value.zip(own.u)?;
-            (value < -SURE * u).then(|| {
+            (value.abs() > SURE * u).then(|| {
                 format!(
-                    "{id} is found with a negative {}: {negative}, which is not usual. Readings whose signs are all reversed look so, and give every \
-                     location error the wrong sign. Make the sign test before anything is changed.",
-                    parameter.name
+                    "By the sign of {id}, {}. Readings of which every sign is reversed say the opposite, and give every location error the wrong \
+                     sign: if this cannot be, make the sign test before anything is changed.",
+                    if value > 0.0 { positive } else { negative }
                 )
             })
         })
