@@ -33,7 +33,7 @@ use crate::words::{
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
-use trunnion_results::sentences::{complete, inadequate};
+use trunnion_results::sentences::{complete, doubts, inadequate};
 use trunnion_results::{
     Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
     Parameter, Place, Plausibility, Trial,
@@ -42,7 +42,9 @@ use trunnion_results::{
 /// Fit, parameters with uncertainty, and what is confounded or not observable.
 pub fn identification_text(view: &Identification) -> String {
     let mut out = format!("Machine {}, runs: {}\n", clean(&view.machine), clean(&view.runs.join(", ")));
-    out += &doubts(&view.plausibility);
+    if !view.plausibility.is_empty() {
+        out += &format!("{}\n", set_apart(&implausible(&view.plausibility)));
+    }
     out += &absent(&view.complete);
     out += &format!("Model: {}\n\n", clean(&view.effects.join(" + ")));
     out += &columns(
@@ -60,7 +62,7 @@ pub fn identification_text(view: &Identification) -> String {
     });
     out += &parameters(&view.parameters);
     out += &another_run(view);
-    out += &view.doubts.iter().map(|doubt| paragraph(&format!("Doubt: {}", doubt.words))).collect::<String>();
+    out += &set_apart(&doubts(view));
     if !view.seen_together.is_empty() {
         out += "\nSeen only together\n";
         for row in &view.seen_together {
@@ -97,7 +99,7 @@ pub fn check_text(check: &Check) -> String {
         head + &complete(&check.complete).iter().map(|sentence| paragraph(sentence)).collect::<String>();
     match check.plausibility.is_empty() {
         true => head + "Positions, readings and times fit together: no mistake was found.\n",
-        false => head + &doubts(&check.plausibility),
+        false => head + &set_apart(&implausible(&check.plausibility)),
     }
 }
 
@@ -114,11 +116,14 @@ fn absent(found: &Complete) -> String {
     complete(found).iter().map(|sentence| paragraph(sentence)).collect()
 }
 
-fn doubts(plausibility: &[Plausibility]) -> String {
-    plausibility
-        .iter()
-        .map(|doubt| paragraph(&format!("Doubt: {} {}", doubt.finding, doubt.hypothesis)))
-        .collect()
+/// Why runs cannot be judged.
+fn implausible(plausibility: &[Plausibility]) -> Vec<String> {
+    plausibility.iter().map(|doubt| format!("Doubt: {} {}", doubt.finding, doubt.hypothesis)).collect()
+}
+
+/// Each sentence between empty lines: as an item of a list, or below a table, the terminal would fold it away.
+fn set_apart(sentences: &[String]) -> String {
+    sentences.iter().map(|sentence| format!("\n{}", paragraph(sentence))).collect()
 }
 
 /// What is wrong, where the model fails most, and the residual by component, axis position, direction, setup and time.
@@ -222,6 +227,7 @@ pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
             rows.insert(1 + found.len(), first.into_iter().chain(together_figures(together)).collect());
         }
         out += &titled(&rows, &[1, 2, 3, 4]);
+        out += "\n";
         out += &paragraph(EXPLAINS);
         if let Some((found, _)) = diagnosis.found_together() {
             out += &paragraph(&format!("Found together: {}.", names(&found)));
@@ -327,4 +333,43 @@ fn held_out(rms_um: Option<f64>, unit: Option<LeftOut>) -> String {
 fn noise(fit: &Identification) -> String {
     let origin = clean(&noise_origin(fit));
     fit.noise_um.map_or(origin.clone(), |rms_um| format!("{} ({origin})", um(rms_um)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trunnion_results::{Doubt, DoubtReason, Question};
+
+    /// What the terminal folds is a stretch of lines without an empty one.
+    fn stand_alone(text: &str, count: usize) {
+        let lists: Vec<&str> = text.split("\n\n").filter(|list| list.contains("Doubt: ")).collect();
+        assert!(lists.len() == count && lists.iter().all(|list| list.trim().lines().count() == 1), "{text}");
+    }
+
+    #[test]
+    fn no_doubt_is_an_item_of_a_list_that_the_terminal_folds() {
+        let doubt = |words: &str| Doubt {
+            effect: None,
+            names: Vec::new(),
+            reason: DoubtReason::Scatter,
+            words: words.into(),
+        };
+        let implausible = Plausibility {
+            question: Question::Whole,
+            finding: "10 of 144 points were read.".into(),
+            hypothesis: String::new(),
+            ..Plausibility::default()
+        };
+        let row = |name: &str| Parameter { name: name.into(), ..Parameter::default() };
+        let view = Identification {
+            parameters: vec![row("EX0C"), row("EY0C")],
+            doubts: vec![doubt("one."), doubt("two.")],
+            plausibility: vec![implausible.clone()],
+            ..Identification::default()
+        };
+        stand_alone(&identification_text(&view), 3);
+        let complete = Complete { planned: Some(144), read: 10, ..Complete::default() };
+        let plausibility = vec![implausible.clone(), implausible];
+        stand_alone(&check_text(&Check { complete, plausibility, ..Check::default() }), 2);
+    }
 }

@@ -74,6 +74,11 @@ pub fn not_plausible(found: &[Plausibility]) -> String {
     sentences.filter(|text| !text.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
+/// Numbers of a fit to doubt, and what of its readings: what every text and page that shows the fit says.
+pub fn doubts(fit: &Identification) -> Vec<String> {
+    fit.doubts.iter().map(|doubt| format!("Doubt: {}", doubt.words)).collect()
+}
+
 /// `Title (id)`, or the id alone.
 pub fn effect_name(id: &str) -> String {
     about(id).map_or(id.into(), |about| format!("{} ({id})", about.title))

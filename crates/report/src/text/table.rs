@@ -120,7 +120,9 @@ fn mark_remarks(rows: &mut [Vec<String>]) -> String {
             row[last] = mark(at);
         }
     }
-    long.iter().enumerate().map(|(at, remark)| paragraph(&format!("{} {remark}", mark(at)))).collect()
+    // Apart from the table: what continues its last row is folded away with it.
+    let remark = |(at, remark): (usize, &String)| format!("\n{}", paragraph(&format!("{} {remark}", mark(at))));
+    long.iter().enumerate().map(remark).collect()
 }
 
 /// `[1]` for the first.
@@ -204,7 +206,7 @@ mod tests {
         let table = rows(&[&["value", "remark"], &["a", &long], &["b", "short"], &["c", &long]]);
         assert_eq!(
             titled(&table, &[]),
-            format!("value  remark\na      [1]\nb      short\nc      [1]\n  [1] {long}\n")
+            format!("value  remark\na      [1]\nb      short\nc      [1]\n\n  [1] {long}\n")
         );
         // Once, it stays in its row: the terminal wraps it.
         assert!(titled(&table[..3], &[]).ends_with(&format!("a      {long}\nb      short\n")));
