@@ -1,6 +1,7 @@
 //! What a comparison and a trial come to, in sentences: shared by page and terminal. Each thing is said once.
 
 use crate::number::{percent, um, um_or_dash};
+use std::iter::once;
 use trunnion_results::{
     Candidate, Comparison, Diagnosis, FormulaProposal, Ladder, LeftOut, Parameter, Prediction, Question,
     RunPrediction, SpectrumWave, Then, Together, Trial, Verdict,
@@ -76,6 +77,7 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
     }
     let lead = if sentences.is_empty() { "" } else { "In addition, " };
     sentences.extend(location_sentence(&input.identification.parameters, lead));
+    sentences.extend(doubts(&input.identification));
     sentences
 }
 
@@ -278,8 +280,13 @@ fn unnamed(diagnosis: &Diagnosis, formula: &FormulaProposal) -> String {
     )
 }
 
-/// How the readings judge a trial, on data that took no part in the fit.
+/// How the readings judge a trial, on data that took no part in the fit, and what to doubt in the fit with it.
 pub fn trial_verdict(trial: &Trial) -> String {
+    let doubts = doubts(&trial.identification);
+    once(trial_outcome(trial)).chain(doubts).collect::<Vec<_>>().join(" ")
+}
+
+fn trial_outcome(trial: &Trial) -> String {
     let rms = trial.rms_um;
     let fit = format!("The residual goes from {} to {} rms", um_or_dash(rms.before), um_or_dash(rms.after));
     let then = trial.then.as_ref().map_or(String::new(), |then| format!(" {}", then_sentence(then)));

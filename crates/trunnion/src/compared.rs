@@ -140,7 +140,8 @@ impl Trial {
         let then = Diagnosed::without_plan(step.fit())?.results();
         let fits = [step.before(), step.fit()].map(Fit::identification);
         let points = step.fit().experiment().points();
-        let answer = results::Trial::new(points, step.whole_entry(), step.entries(), fits, Some(&then));
+        let mut answer = results::Trial::new(points, step.whole_entry(), step.entries(), fits, Some(&then));
+        answer.identification.doubts = step.fit().doubts();
         Ok(Self { answer })
     }
 

@@ -84,10 +84,7 @@ impl Fit {
         let mut answer = results::Identification {
             complete: self.complete(),
             plausibility: self.experiment.plausibility(),
-            doubts: doubts(self.experiment.points(), self.model.entries(), fit)
-                .iter()
-                .map(results::Doubt::from)
-                .collect(),
+            doubts: self.doubts(),
             ..fit.into()
         };
         for ((shown, fitted), between) in
@@ -99,6 +96,12 @@ impl Fit {
             shown.u_another_run = finite(u.hypot(between.sd) * fitted.unit.per_inside);
         }
         answer
+    }
+
+    /// Its numbers to doubt.
+    pub(crate) fn doubts(&self) -> Vec<results::Doubt> {
+        let found = doubts(self.experiment.points(), self.model.entries(), self.identification());
+        found.iter().map(results::Doubt::from).collect()
     }
 
     /// Measured against predicted, point by point.

@@ -144,6 +144,7 @@ pub const ENTRIES: &[[&str; 3]] = &[
     ["repeatability not known: no pose was measured twice", "Wiederholpräzision unbekannt: keine Stellung wurde zweimal gemessen", "繰返し性は不明：同じ姿勢の再測定がない"],
     ["Likely cause: {}", "Wahrscheinliche Ursache: {}", "推定される原因：{}"],
     ["Axes have location errors: {}.", "Die Achsen haben Lageabweichungen: {}.", "軸に位置誤差がある：{}。"],
+    ["Doubt: {}", "Zweifel: {}", "疑問：{}"],
     ["In addition, axes have location errors: {}.", "Außerdem haben die Achsen Lageabweichungen: {}.", "さらに、軸に位置誤差がある：{}。"],
     ["axis {} lies {} off along {}", "Achse {} liegt um {} daneben entlang {}", "軸 {} が {}、{} 方向にずれている"],
     ["axis {} leans {} about {} ({} over 100 mm)", "Achse {} ist um {} um {} geneigt ({} auf 100 mm)", "軸 {} が {}、{} まわりに傾いている（100 mm で {}）"],

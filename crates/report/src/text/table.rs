@@ -121,7 +121,8 @@ fn mark_remarks(rows: &mut [Vec<String>]) -> String {
         }
     }
     // Apart from the table: what continues its last row is folded away with it.
-    let remark = |(at, remark): (usize, &String)| format!("\n{}", paragraph(&format!("{} {remark}", mark(at))));
+    let remark =
+        |(at, remark): (usize, &String)| format!("\n{}", paragraph(&format!("{} {remark}", mark(at))));
     long.iter().enumerate().map(remark).collect()
 }
 

@@ -4,8 +4,8 @@ use crate::pages::{check_page, fitted, model};
 use quick_xml::events::Event;
 use trunnion_report::{DccError, Issuer, Language, dcc_xml, report_html};
 use trunnion_results::{
-    Candidate, Comparison, Conformity, Decision, Diagnosis, Identity, Judged, Ladder, Report, RunIdentity,
-    TemperatureRange, Verdict,
+    Candidate, Comparison, Conformity, Decision, Diagnosis, Doubt, DoubtReason, Identity, Judged, Ladder,
+    Report, RunIdentity, TemperatureRange, Verdict,
 };
 
 pub fn report() -> Report {
@@ -110,6 +110,22 @@ fn no_label_of_a_report_stays_english() {
     }
     let german = report_html(&report(), Language::German);
     assert!(german.contains("nicht bestanden") && german.contains("<html lang=\"de\">"), "the verdict too");
+}
+
+#[test]
+fn a_number_to_doubt_is_doubted_on_the_first_page() {
+    let mut report = report();
+    let words = "ambient.z exceeds 50 µm/K: no part of a machine moves as much.".into();
+    let reason = DoubtReason::BeyondPhysical;
+    report.comparison.identification.doubts =
+        vec![Doubt { effect: None, names: vec!["ambient.z".into()], reason, words }];
+    for (language, said) in
+        [(Language::English, "Doubt: ambient.z"), (Language::German, "Zweifel: ambient.z")]
+    {
+        let page = report_html(&report, language);
+        let (doubt, to_do) = (page.find(said), page.find("<ol>"));
+        assert!(doubt.is_some() && doubt < to_do, "{page}");
+    }
 }
 
 #[test]

@@ -181,7 +181,11 @@ fn temperatures_that_change_together_and_impossible_coefficients_are_doubted() {
     let of = |reason| doubts.iter().filter(move |doubt| doubt.reason == reason).flat_map(|d| d.names.clone());
     assert_eq!(of(DoubtReason::Collinear).collect::<Vec<_>>(), ["bed.x", "twin.x"], "{doubts:?}");
     assert_eq!(of(DoubtReason::BeyondPhysical).collect::<Vec<_>>(), ["far.x"], "{doubts:?}");
-    assert!(fit.summary().contains("changed together"), "{}", fit.summary());
+    let compared = fit.compare();
+    let story = compared.story().wrong.join(" ");
+    for surface in [fit.summary(), compared.summary(), compared.page(), story] {
+        assert!(surface.contains("changed together") && surface.contains("far.x exceeds"), "{surface}");
+    }
 }
 
 /// A third sensor stands next to the first: the cause is found all the same, and that no coefficient is that of one sensor is said.
