@@ -24,8 +24,10 @@ impl Published for AlarmsNow {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Alarm {
-    /// Name of the parameter, or `rms`.
+    /// Name of the watched value: of the parameter, with its effect where parameters of several have that name; or `rms`.
     pub name: String,
+    /// Id of its effect; empty for the residual.
+    pub effect: String,
     /// What it is, for a person.
     pub words: String,
     /// Unit of the numbers.

@@ -79,8 +79,11 @@ pub struct HistoryRun {
 /// A value that is watched over the runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Watched {
-    /// Name of the parameter, or `rms`.
+    /// Name of the parameter, with its effect where parameters of several have that name (`scale of linear-scale:Z`); or `rms`.
     pub name: String,
+    /// Id of its effect; empty for the residual.
+    #[serde(default)]
+    pub effect: String,
     /// What it is, for a person; the name where there are no words for it.
     #[serde(default)]
     pub words: String,

@@ -100,6 +100,18 @@ pub fn verdict_in_short(verdict: Verdict) -> &'static str {
     }
 }
 
+/// The name of a parameter among others, each given as effect and name: with its effect where another effect has the same name.
+pub fn name_among<'a>(
+    effect: &str,
+    name: &str,
+    mut others: impl Iterator<Item = (&'a str, &'a str)>,
+) -> String {
+    match others.any(|(of, other)| other == name && of != effect) {
+        true => format!("{name} of {effect}"),
+        false => name.into(),
+    }
+}
+
 /// True for a number that is worth reporting.
 pub fn is_clear(parameter: &Parameter) -> bool {
     parameter.value.zip(parameter.u).is_some_and(|(value, u)| value.abs() > CLEAR_U * u)

@@ -135,6 +135,7 @@ pub fn alarms(history: &MachineHistory) -> AlarmsNow {
         let since = watched.points.iter().rev().take_while(|point| point.alarm).last();
         now.alarms.push(Alarm {
             name: watched.name.clone(),
+            effect: watched.effect.clone(),
             words: watched.words.clone(),
             unit: watched.unit.clone(),
             value: point.value,

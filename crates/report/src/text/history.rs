@@ -2,7 +2,7 @@
 
 use super::table::{columns, paragraph, titled};
 use crate::number::{MISSING, justified, um_or_dash, unit_on_screen, value_and_u};
-use trunnion_results::sentences::verdict_in_short;
+use trunnion_results::sentences::{name_among, verdict_in_short};
 use trunnion_results::{ForecastValue, HistoryRun, MachineHistory, Watched};
 
 /// The history of a machine.
@@ -87,7 +87,8 @@ fn expected(values: &[ForecastValue]) -> String {
     }
     let row = |one: &ForecastValue| {
         let (value, u) = value_and_u(Some(one.value), Some(one.u), &one.unit);
-        vec![one.name.clone(), value, u]
+        let all = values.iter().map(|other| (other.effect.as_str(), other.name.as_str()));
+        vec![name_among(&one.effect, &one.name, all), value, u]
     };
     let mut rows = vec![["expected", "", "u"].map(String::from).to_vec()];
     rows.extend(values.iter().map(row));

@@ -6,7 +6,7 @@ use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use trunnion_results::number::{justified, um, unit_on_screen};
-use trunnion_results::sentences::error_in_words;
+use trunnion_results::sentences::{effect_name, error_in_words};
 use trunnion_results::{AroundCorrection, ChangedParameter, CorrectionEntered, HistoryRun, to_json_line};
 
 /// Name of the file in a folder of recordings.
@@ -131,7 +131,7 @@ fn from_to(one: &ChangedParameter) -> String {
     let unit = unit_on_screen(&one.unit);
     match error_in_words(&one.name) {
         Some(name) => format!("{name} from {was} to {is} {unit} ({})", one.name),
-        None => format!("{} from {was} to {is} {unit}", one.name),
+        None => format!("{} of {} from {was} to {is} {unit}", one.name, effect_name(&one.effect)),
     }
 }
 

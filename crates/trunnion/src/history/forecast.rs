@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use trunnion_core::chain;
 use trunnion_effects::{FittedValue, Instance, Scene};
 use trunnion_results::number::{percent, um};
-use trunnion_results::sentences::error_in_words;
+use trunnion_results::sentences::{error_in_words, name_among};
 use trunnion_results::{DayForecast, ForecastValue, HistoryRun, MachineHistory, RunPrediction};
 
 /// Days on which was measured that a forecast needs: t of four degrees of freedom is 1.4 times that of many, of two it is 2.2 times.
@@ -111,17 +111,22 @@ fn fitted(experiment: &Experiment, model: Option<&Model>) -> Result<Fit, Error> 
 }
 
 fn values(together: &Fit) -> Vec<ForecastValue> {
+    let all = together.values("").parameters;
+    let name = |value: &FittedValue| {
+        let others = all.iter().map(|other| (other.effect.as_str(), other.name.as_str()));
+        name_among(&value.effect, &value.name, others)
+    };
     let next = |value: FittedValue| {
         Some(ForecastValue {
             u: value.u?.hypot(value.between_runs.unwrap_or_default()),
-            words: error_in_words(&value.name).unwrap_or_else(|| value.name.clone()),
+            words: error_in_words(&value.name).unwrap_or_else(|| name(&value)),
             effect: value.effect,
             name: value.name,
             unit: value.unit,
             value: value.value,
         })
     };
-    together.values("").parameters.into_iter().filter_map(next).collect()
+    all.iter().cloned().filter_map(next).collect()
 }
 
 fn temperatures(together: &Experiment) -> Option<[f64; 2]> {

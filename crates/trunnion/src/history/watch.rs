@@ -1,7 +1,7 @@
 //! Values of runs against the limits that the runs before them set (`trunnion_methods::control_chart`).
 
 use trunnion_methods::control_chart::{Baseline, Limits};
-use trunnion_results::sentences::error_in_words;
+use trunnion_results::sentences::{error_in_words, name_among};
 use trunnion_results::{HistoryRun, Parameter, Watched, WatchedPoint};
 
 /// Name of the residual among the watched values.
@@ -10,19 +10,51 @@ const RMS: &str = Watched::RESIDUAL;
 /// Watches the residual and every parameter of the runs; notes the alarms in them. The machine began to be what it is with the run at
 /// each of `begins`: a correction or repair before it.
 pub(super) fn watch(runs: &mut [HistoryRun], begins: &[usize]) -> Vec<Watched> {
-    let mut names: Vec<(String, String)> = vec![(RMS.into(), "um".into())];
+    let mut watched: Vec<Key> = vec![Key { effect: String::new(), name: RMS.into(), unit: "um".into() }];
     for value in runs.iter().flat_map(|run| &run.values) {
-        if !names.iter().any(|(name, _)| *name == value.name) {
-            names.push((value.name.clone(), value.unit.clone()));
+        if !watched.iter().any(|key| key.is_of(value)) {
+            let Parameter { effect, name, unit, .. } = value;
+            watched.push(Key { effect: effect.clone(), name: name.clone(), unit: unit.clone() });
         }
     }
-    let count = names.len();
-    names.into_iter().map(|(name, unit)| one(runs, begins, count, name, unit)).collect()
+    let named = |key: &Key| {
+        let others = watched.iter().map(|other| (other.effect.as_str(), other.name.as_str()));
+        name_among(&key.effect, &key.name, others)
+    };
+    let names: Vec<String> = watched.iter().map(named).collect();
+    watched.iter().zip(names).map(|(key, name)| one(runs, begins, watched.len(), key, name)).collect()
 }
 
-fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, name: String, unit: String) -> Watched {
+/// What tells values apart: parameters of two effects may have one name.
+struct Key {
+    /// Empty for the residual.
+    effect: String,
+    name: String,
+    unit: String,
+}
+
+impl Key {
+    fn is_residual(&self) -> bool {
+        self.effect.is_empty() && self.name == RMS
+    }
+
+    fn is_of(&self, value: &Parameter) -> bool {
+        (&self.effect, &self.name) == (&value.effect, &value.name)
+    }
+
+    /// Value and standard uncertainty.
+    fn value(&self, run: &HistoryRun) -> Option<(f64, f64)> {
+        if self.is_residual() {
+            return Some((run.rms_um?, 0.0));
+        }
+        let Parameter { value, u, .. } = run.values.iter().find(|value| self.is_of(value))?;
+        Some((((*value)?), (*u)?))
+    }
+}
+
+fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, key: &Key, name: String) -> Watched {
     // A residual is not negative, and neither is its lower limit.
-    let least = if name == RMS { 0.0 } else { f64::NEG_INFINITY };
+    let least = if key.is_residual() { 0.0 } else { f64::NEG_INFINITY };
     let ends = |l: Limits| [l.mean, (l.mean - l.half_width).max(least), l.mean + l.half_width];
     let mut baseline = Baseline::default();
     let mut points = Vec::new();
@@ -30,7 +62,7 @@ fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, name: String, un
         if begins.contains(&index) {
             baseline = Baseline::default();
         }
-        let Some((value, u)) = value(run, &name) else { continue };
+        let Some((value, u)) = key.value(run) else { continue };
         let limits = baseline.limits(u, count);
         let alarm = limits.is_some_and(|limits| limits.alarm(value));
         match alarm {
@@ -40,19 +72,11 @@ fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, name: String, un
         let limits = limits.map(ends);
         points.push(WatchedPoint { run: index, value, u, limits, alarm });
     }
-    let words = match name.as_str() {
-        RMS => "Residual, rms".into(),
-        name => error_in_words(name).unwrap_or_else(|| name.into()),
+    let words = match key.is_residual() {
+        true => "Residual, rms".into(),
+        false => error_in_words(&key.name).unwrap_or_else(|| name.clone()),
     };
-    Watched { name, words, unit, points }
-}
-
-fn value(run: &HistoryRun, name: &str) -> Option<(f64, f64)> {
-    if name == RMS {
-        return Some((run.rms_um?, 0.0));
-    }
-    let Parameter { value, u, .. } = run.values.iter().find(|value| value.name == name)?;
-    Some((((*value)?), (*u)?))
+    Watched { name, effect: key.effect.clone(), words, unit: key.unit.clone(), points }
 }
 
 #[cfg(test)]
@@ -73,6 +97,32 @@ mod tests {
 
     fn scattered(count: usize, about: f64) -> Vec<HistoryRun> {
         (0..count).map(|k| run(0.3 + 0.01 * (k % 3) as f64, about + 0.4 * (k % 5) as f64)).collect()
+    }
+
+    /// The scales of two axes have one name; a jump of the one is not hidden by the other.
+    #[test]
+    fn values_of_two_effects_with_one_name_are_watched_each() {
+        let scale = |effect: &str, value: f64| Parameter {
+            effect: effect.into(),
+            name: "scale".into(),
+            unit: "um/m".into(),
+            value: Some(value),
+            u: Some(1.0),
+            ..Parameter::default()
+        };
+        let day = |k: usize| HistoryRun {
+            values: vec![
+                scale("linear-scale:X", [3.0, 3.4, 2.8][k % 3]),
+                scale("linear-scale:Z", if k < 6 { 0.2 * (k % 3) as f64 } else { 49.0 }),
+            ],
+            ..run(0.3 + 0.01 * (k % 3) as f64, 5.0 + 0.4 * (k % 5) as f64)
+        };
+        let mut runs: Vec<HistoryRun> = (0..8).map(day).collect();
+        let watched = watch(&mut runs, &[0]);
+        let names: Vec<&str> = watched.iter().map(|one| one.name.as_str()).collect();
+        assert_eq!(names, ["rms", "scale of linear-scale:X", "scale of linear-scale:Z", "EB0C"]);
+        assert_eq!(watched[2].effect, "linear-scale:Z");
+        assert!(runs[6..].iter().all(|run| run.alarms == ["scale of linear-scale:Z"]), "{runs:?}");
     }
 
     #[test]
