@@ -1,8 +1,8 @@
 //! Values of a fit as a model file keeps them: with covariance, and with what differs between runs.
 
 use crate::{Fit, Model};
-use trunnion_core::Point;
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::{Point, Quality};
 use trunnion_cycles::Run;
 use trunnion_effects::{self as effects, FittedRun, FittedValue, FittedValues};
 use trunnion_engine::fit::Options;
@@ -111,14 +111,29 @@ pub(crate) fn reading_mm(fit: &Identification) -> f64 {
     parts.min(of_runs.unwrap_or(f64::INFINITY)).max(fit.rms_mm)
 }
 
-/// Name and digest of a run.
+/// Name and digest of a run: of all that was measured or stated. What is computed from that (`since_reversal`, `deflection_mm`) has no
+/// part in it.
 pub(crate) fn fitted_run(run: &Run) -> FittedRun {
     let mut digest = crc32fast::Hasher::new();
+    run.channels.iter().for_each(|channel| digest.update(channel.as_bytes()));
     let mut put = |numbers: &[f64]| numbers.iter().for_each(|number| digest.update(&number.to_le_bytes()));
-    for Point { state, reading_mm, .. } in &run.points {
+    for setup in &run.setups {
+        put(setup.ball_in_table_mm.coords.as_slice());
+        put(setup.ball_in_tool_mm.coords.as_slice());
+        put(setup.direction.map_or([0.0; 3], |direction| direction.into_inner().into()).as_slice());
+        put(&[setup.bar_length_mm.unwrap_or_default(), f64::from(setup.calibrated)]);
+        put(&setup.arms_mm.unwrap_or_default());
+    }
+    for Point { state, reading_mm, spread_mm, samples, quality } in &run.points {
         put(&state.position.0);
-        put(reading_mm.as_slice());
-        put(&[state.time_s.unwrap_or_default(), state.setup as f64]);
+        put(&state.direction.0);
+        put(&state.velocity.0);
+        put(&state.acceleration.0);
+        put(&state.temperature_degc);
+        put(reading_mm);
+        put(spread_mm);
+        put(&[state.time_s.unwrap_or_default(), state.setup as f64, state.target as f64]);
+        put(&[f64::from(*samples), f64::from(u8::from(*quality == Quality::Good))]);
     }
     FittedRun { name: run.name.clone(), digest: format!("crc32:{:08x}", digest.finalize()) }
 }

@@ -188,6 +188,26 @@ fn temperatures_that_change_together_and_impossible_coefficients_are_doubted() {
     }
 }
 
+/// The same readings with another temperature are another run.
+#[test]
+fn a_run_with_another_temperature_or_direction_was_not_fitted() {
+    let folder = tempfile::tempdir().unwrap();
+    let days = Days { coefficients: [8.0, -3.0], between_um_per_k: 0.0, drift: (0.0, 1.0), white_um: 0.3 };
+    let (files, _) = days.write(folder.path(), 1);
+    let fit = fit(&files[..1]);
+    let kept = fit.model().with_values(&fit.values("2026-03-01")).unwrap();
+    let was_fitted = |file: &Path| kept.predict(&trunnion::open(file).unwrap()).unwrap().runs[0].was_fitted;
+    assert!(was_fitted(&files[0]));
+    let table = std::fs::read_to_string(&files[0]).unwrap();
+    let warmer: Vec<String> = table.lines().map(|line| line.replace(",20.", ",21.")).collect();
+    std::fs::write(&files[0], warmer.join("\n")).unwrap();
+    assert!(!was_fitted(&files[0]), "another temperature");
+    let mut lines = table.lines();
+    let head = format!("{},direction_x\n", lines.next().unwrap());
+    std::fs::write(&files[0], head + &lines.map(|line| format!("{line},1\n")).collect::<String>()).unwrap();
+    assert!(!was_fitted(&files[0]), "another direction");
+}
+
 /// A third sensor stands next to the first: the cause is found all the same, and that no coefficient is that of one sensor is said.
 #[test]
 fn a_thermal_day_has_its_cause_named_and_its_collinear_sensors_said() {
