@@ -26,8 +26,24 @@ pub struct Prediction {
     pub differences_known: bool,
     /// Each run that was predicted.
     pub runs: Vec<RunPrediction>,
-    /// Parameters that the fit did not determine; the prediction takes the values that its datum convention gives them.
+    /// Parameters that the fit did not determine alone.
     pub not_determined: Vec<String>,
+    /// What the prediction takes them to be: 0, or what the fit left of what they do together. The band does not hold them.
+    #[serde(default)]
+    pub taken: Vec<Taken>,
+}
+
+/// A parameter without a standard uncertainty, with the value that a prediction takes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Taken {
+    /// Id of its effect.
+    pub effect: String,
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The value.
+    pub value: f64,
 }
 
 /// Format and version of a prediction.

@@ -5,6 +5,7 @@
 //! y readings, f exact prediction, x̂ the values (frozen), J their columns in the new run, Σ(x̂) their covariance in one more run
 //! (`FittedValues`: what differs between runs is in it where several were fitted), s the scatter of a reading about the model, what
 //! the model lacks included. The band is ± 1.96 √Σ(r)ᵢᵢ.
+//! A value that the fitted runs do not determine alone is held as they left it, and has no part in Σ(x̂).
 //! Limits: readings count alike; s is that of one point or block of the fitted runs. Values of one run know nothing of what differs
 //! between runs.
 
@@ -19,6 +20,7 @@ use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, Mod
 use trunnion_engine::fit::Options;
 use trunnion_engine::{HeldOut, Identification, IdentifyError, Status};
 use trunnion_results as results;
+use trunnion_results::number::with_unit;
 use trunnion_results::sentences::is_setting;
 
 /// Columns of the settings below this share of the largest are no direction of their own.
@@ -106,7 +108,19 @@ fn predict(
         differences_known: values.parameters.iter().any(|parameter| parameter.between_runs.is_some()),
         runs,
         not_determined: values.parameters.iter().filter(|p| p.u.is_none()).map(|p| p.name.clone()).collect(),
+        taken: values.parameters.iter().filter(|p| p.u.is_none()).map(taken).collect(),
     })
+}
+
+/// What the fitted runs do not determine alone keeps its share of what they determine together: with 0 in its place the model would
+/// no longer predict its own runs.
+fn taken(value: &FittedValue) -> results::Taken {
+    results::Taken {
+        effect: value.effect.clone(),
+        name: value.name.clone(),
+        unit: value.unit.clone(),
+        value: value.value,
+    }
 }
 
 fn predict_run(
@@ -236,7 +250,8 @@ impl<'v> Frozen<'v> {
             parameter.u = kept.u.map(|u| u / parameter.unit.per_inside);
             if parameter.u.is_none() {
                 (parameter.value, parameter.status) = (None, Status::Unobservable);
-                parameter.note = "not determined by the fitted runs, taken as 0".into();
+                let value = with_unit(kept.value, &kept.unit);
+                parameter.note = format!("not determined alone by the fitted runs, taken as {value}");
             }
         }
         Ok(fit)

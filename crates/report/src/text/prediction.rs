@@ -1,10 +1,10 @@
 //! A prediction of other runs, for the terminal.
 
 use super::table::{clean, paragraph, titled};
-use crate::number::{percent, um};
+use crate::number::{percent, um, with_unit};
 use crate::words::differences;
 use std::iter::once;
-use trunnion_results::{Prediction, RunPrediction};
+use trunnion_results::{Prediction, RunPrediction, Taken};
 
 /// Error and share inside the band of each run.
 pub fn prediction_text(prediction: &Prediction) -> String {
@@ -48,11 +48,10 @@ pub fn prediction_text(prediction: &Prediction) -> String {
         }
     }
     out += &paragraph(differences(prediction));
-    if !prediction.not_determined.is_empty() {
-        let names = prediction.not_determined.join(", ");
-        out += &paragraph(&format!(
-            "Not determined by the fitted runs, taken at zero or by convention: {names}."
-        ));
+    if !prediction.taken.is_empty() {
+        let one = |one: &Taken| format!("{} = {}", one.name, with_unit(one.value, &one.unit));
+        let all = prediction.taken.iter().map(one).collect::<Vec<_>>().join(", ");
+        out += &paragraph(&format!("Not determined alone by the fitted runs, and taken as: {all}."));
     }
     out
 }

@@ -208,6 +208,37 @@ fn a_run_with_another_temperature_or_direction_was_not_fitted() {
     assert!(!was_fitted(&files[0]), "another direction");
 }
 
+/// Of two sensors that read the same only what both do together is known: the one that stands for it keeps its value, and says so.
+#[test]
+fn a_value_that_is_taken_without_being_known_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let days = Days { coefficients: [8.0, -3.0], between_um_per_k: 0.0, drift: (0.0, 1.0), white_um: 0.3 };
+    let (files, _) = days.write(folder.path(), 1);
+    let table = std::fs::read_to_string(&files[0]).unwrap();
+    let mut lines = table.lines();
+    let mut text = format!("{},twin_degc\n", lines.next().unwrap());
+    for line in lines {
+        text += &format!("{line},{}\n", line.split(',').nth(6).unwrap());
+    }
+    std::fs::write(&files[0], text).unwrap();
+    let fit = fit(&files[..1]);
+    let kept = fit.model().with_values(&fit.values("2026-03-01")).unwrap();
+    let run = trunnion::open(&files[0]).unwrap();
+    let prediction = kept.predict(&run).unwrap();
+    let names: Vec<&str> = prediction.taken.iter().map(|one| one.name.as_str()).collect();
+    assert_eq!(names, prediction.not_determined);
+    let together: f64 = prediction.taken.iter().filter(|one| one.unit == "um/K").map(|one| one.value).sum();
+    assert!((together - 8.0).abs() < 1.0, "{:?}", prediction.taken);
+    let text = trunnion::report::prediction_text(&prediction);
+    let compared = kept.compare_frozen(&run).unwrap().identification;
+    for one in &prediction.taken {
+        let value = trunnion::results::number::with_unit(one.value, &one.unit);
+        assert!(text.contains(&format!("{} = {value}", one.name)), "{text}");
+        let note = &compared.parameters.iter().find(|p| p.name == one.name).unwrap().note;
+        assert!(note.ends_with(&format!("taken as {value}")), "{note}");
+    }
+}
+
 /// A third sensor stands next to the first: the cause is found all the same, and that no coefficient is that of one sensor is said.
 #[test]
 fn a_thermal_day_has_its_cause_named_and_its_collinear_sensors_said() {
