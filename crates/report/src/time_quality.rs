@@ -20,8 +20,8 @@ pub const NUMERIC: [usize; 7] = [1, 2, 3, 4, 5, 7, 8];
 
 /// What the columns mean.
 pub const ABOUT: &str = "Jitter of arrival: the error of a sample stamped when its bytes came. After the line: what the line through \
-     the earliest arrivals of the whole run does not follow. Later than the axes: delay with standard uncertainty from the sync \
-     sync_moves, taken out of the times.";
+     the earliest arrivals of the whole run does not follow. Later than the axes: delay with standard uncertainty from the \
+     synchronisation moves, taken out of the times.";
 
 /// The streams of a run, a row each.
 pub fn rows(quality: &TimeQuality) -> Vec<Vec<String>> {
