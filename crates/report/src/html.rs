@@ -19,7 +19,7 @@ mod volumetric;
 use crate::markup::{element, escape};
 use crate::number::um;
 use trunnion_results::sentences::{complete, samples};
-use trunnion_results::{Comparison, ErrorMap, Findings, Ladder, Trial, Volumetric};
+use trunnion_results::{Comparison, Complete, ErrorMap, Findings, Ladder, Trial, Volumetric};
 
 pub use positions::magnification;
 
@@ -130,7 +130,17 @@ fn losses(input: &Comparison) -> String {
         };
         format!("<p>{all}{gaps}</p>{samples}")
     } else {
-        listed(&complete(found))
+        // That everything was read is no warning.
+        let all = found.planned.filter(|planned| *planned == found.read);
+        let warned = Complete {
+            planned: found.planned.filter(|planned| *planned != found.read),
+            samples: Vec::new(),
+            ..found.clone()
+        };
+        let read =
+            all.map_or_else(String::new, |all| element("p", &format!("All {all} planned points were read.")));
+        let samples: String = found.samples.iter().map(|run| element("p", &samples(run))).collect();
+        format!("{read}{}{samples}", listed(&complete(&warned)))
     };
     let gaps = match input.losses.is_empty() {
         true => String::new(),

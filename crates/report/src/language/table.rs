@@ -351,6 +351,7 @@ pub const ENTRIES: &[[&str; 3]] = &[
     ["Nothing is missing from the recording, and no point was excluded.", "In der Aufzeichnung fehlt nichts, und kein Punkt wurde ausgeschlossen.", "記録に欠落はなく、除外した点もない。"],
     ["All {} planned points were read. Nothing is missing from the recording, and no point was excluded.", "Alle {} geplanten Punkte wurden gelesen. In der Aufzeichnung fehlt nichts, und kein Punkt wurde ausgeschlossen.", "計画した {} 点を全て測定。記録に欠落はなく、除外した点もない。"],
     ["No point was excluded.", "Kein Punkt wurde ausgeschlossen.", "除外した点はない。"],
+    ["All {} planned points were read.", "Alle {} geplanten Punkte wurden gelesen.", "計画した {} 点を全て測定。"],
     ["All {} planned points were read. No point was excluded.", "Alle {} geplanten Punkte wurden gelesen. Kein Punkt wurde ausgeschlossen.", "計画した {} 点を全て測定。除外した点はない。"],
     ["The recording is not whole:", "Die Aufzeichnung ist nicht vollständig:", "記録は完全ではない:"],
     ["{}: nothing from {} s to {} s, {} samples missing ({})", "{}: nichts von {} s bis {} s, {} Abtastwerte fehlen ({})", "{}: {} s から {} s まで値なし、{} サンプル欠落 ({})"],

@@ -13,7 +13,7 @@ use trunnion_report::{
     compare_html, compare_text, findings_html, findings_text, ladder_html, ladder_text, trial_html,
     trial_text,
 };
-use trunnion_results::{Comparison, Findings, FoundValue, Ladder, Trial, ValueKind};
+use trunnion_results::{Comparison, Complete, Excluded, Findings, FoundValue, Ladder, Trial, ValueKind};
 
 /// Two heights, B every 45°, C every 45° forth and back; the tool reads 2.5 µm further along Z with C going forward, and
 /// as much less with C going back. Where a pass begins, C comes from the other side.
@@ -166,6 +166,20 @@ fn the_page_goes_from_the_verdict_over_the_places_to_the_tables() {
     let words: Vec<&String> = input.places.iter().map(|place| &place.words).collect();
     assert!(words[0].starts_with("Z, both setups, +2.5 µm with C forward, −2.5 µm with C back"), "{words:?}");
     assert!(compare_text(&input).contains("1. Z, both setups, +2.5 µm"));
+}
+
+#[test]
+fn that_every_point_was_read_stands_in_no_warning() {
+    let (_, mut input) = fitted();
+    let excluded = Excluded { count: 4, reason: "the fit leaves too much".into() };
+    input.identification.complete =
+        Complete { planned: Some(336), read: 336, excluded: vec![excluded], ..Complete::default() };
+    let page = compare_html(&input, "");
+    assert!(
+        page.contains("<p>All 336 planned points were read.</p><ul class=\"warn\"><li>4 points are excluded")
+    );
+    input.identification.complete.read = 330;
+    assert!(compare_html(&input, "").contains("<ul class=\"warn\"><li>330 of 336 planned points were read."));
 }
 
 #[test]
