@@ -32,8 +32,9 @@ const LEAST_SHARE: f64 = 0.04;
 pub struct Place {
     /// The place in words.
     pub words: String,
-    /// `X`, `Y`, `Z` in machine axes, `table X`, … in the axes of the turned table, `bar length`. Positive: the tool stands
-    /// further that way against the table than predicted, the bar is longer.
+    /// `X`, `Y`, `Z` in machine axes, `table X`, … in the axes of the turned table; of an instrument that reads no three directions what it
+    /// reads, e.g. `bar length` or `reading along the beam`. Positive: the tool stands further that way against the table than
+    /// predicted, the bar is longer.
     pub component: String,
     /// Ranges of the axes that matter, e.g. `B −60° and below`; empty when it is everywhere.
     pub ranges: Vec<String>,
@@ -59,7 +60,7 @@ pub struct Place {
 /// Which readings belong to a place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Region {
-    /// 0–2: machine X Y Z; 3–5: table X Y Z; 6: bar length.
+    /// 0–2: machine X Y Z; 3–5: table X Y Z; 6: what an instrument reads that reads no three directions.
     pub component: usize,
     /// Ranges of the axes that matter.
     pub axes: Vec<AxisRange>,

@@ -1,13 +1,14 @@
 //! Lines along a laser: what time does is not taken for the axis, and a coarse display not for the machine.
 
 use crate::common::{point, run};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{DVector, Point3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trunnion_core::axis::iso::X;
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Setup, State};
 use trunnion_effects::Model;
+use trunnion_engine::compare::places;
 use trunnion_engine::diagnosis::Options;
 use trunnion_engine::fit::Options as FitOptions;
 use trunnion_engine::{Experiment, Verdict, diagnose, identify};
@@ -47,6 +48,18 @@ fn a_trend_on_a_line_measured_one_way_is_no_scale() {
         open += usize::from(diagnosis.undecided.iter().any(|open| open.effect == "linear-scale:X"));
     }
     assert!(open >= 2, "it may be one, and is listed as such in {open} of 4");
+}
+
+#[test]
+fn where_a_laser_deviates_no_bar_is_named() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut white_um = || -> f64 { StandardNormal.sample(&mut random) };
+    let experiment = line(&one_way(), |share| if share > 0.5 { 8.0 } else { 0.0 } + 0.3 * white_um());
+    let left_mm =
+        DVector::from_fn(experiment.rows(), |row, _| if row > 80 { 8e-3 } else { 1e-4 * (row % 7) as f64 });
+    let places = places(&experiment, &left_mm, &vec![true; experiment.points.len()]);
+    assert_eq!(places[0].component, "reading along the beam", "{places:?}");
+    assert!(places[0].words.starts_with("reading along the beam, "), "{}", places[0].words);
 }
 
 #[test]

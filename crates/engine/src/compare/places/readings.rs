@@ -5,7 +5,7 @@ use crate::Experiment;
 use crate::compare::frames::in_frames;
 use nalgebra::{DVector, Matrix3, Vector3};
 use std::collections::HashMap;
-use trunnion_core::{Joint, State, convert};
+use trunnion_core::{InstrumentKind, Joint, State, convert};
 
 /// Most bins of one axis.
 const MOST_BINS: usize = 13;
@@ -74,7 +74,32 @@ pub struct Dimension {
     pub is_full_turn: bool,
 }
 
-const COMPONENTS: [&str; 7] = ["X", "Y", "Z", "table X", "table Y", "table Z", "bar length"];
+/// Components of readings in three directions.
+const COMPONENTS: [&str; 6] = ["X", "Y", "Z", "table X", "table Y", "table Z"];
+
+/// What an instrument that reads no three directions reads.
+fn single(instrument: InstrumentKind) -> &'static str {
+    match instrument {
+        InstrumentKind::BallBar | InstrumentKind::LaserBallBar => "bar length",
+        InstrumentKind::Tracker => "distance from the station",
+        InstrumentKind::Diagonal | InstrumentKind::StepDiagonal => "reading along the beam",
+        InstrumentKind::TouchProbeFace | InstrumentKind::MachinedSurface => "reading along the normal",
+        InstrumentKind::PassiveArm => "joint angle of the arm",
+        InstrumentKind::Level => "reading of the level",
+        InstrumentKind::RTest
+        | InstrumentKind::LaserTracker
+        | InstrumentKind::BallPlate
+        | InstrumentKind::TouchProbe => "reading",
+    }
+}
+
+/// The component of all readings that are not in three directions: of instruments that read different things it is only a reading.
+fn single_of(experiment: &Experiment) -> &'static str {
+    let kinds = experiment.setups.iter().map(|setup| setup.instrument);
+    let mut names = kinds.filter(|kind| kind.components().len() != 3).map(single);
+    let first = names.next().unwrap_or("reading");
+    if names.all(|name| name == first) { first } else { "reading" }
+}
 
 impl Readings {
     pub fn new(experiment: &Experiment, residual_mm: &DVector<f64>, used: &[bool]) -> Self {
@@ -151,7 +176,7 @@ impl Readings {
         }
         Self {
             points,
-            components: COMPONENTS.into(),
+            components: COMPONENTS.into_iter().chain([single_of(experiment)]).collect(),
             dimensions,
             setups: experiment.setups.len(),
             both_ways,
