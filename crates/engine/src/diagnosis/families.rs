@@ -8,7 +8,7 @@ mod angle;
 mod clock;
 mod draft;
 mod family;
-mod travel;
+pub mod travel;
 
 pub use family::{Carriers, Family, Number};
 

@@ -1,6 +1,8 @@
 //! Sentences of a diagnosis.
 
+use crate::diagnosis::families::travel::{CYCLES, PERIOD};
 use crate::diagnosis::verdict::ShapeNumber;
+use std::f64::consts::TAU;
 use trunnion_effects::Instance;
 
 /// The measurement that separates an effect from its rivals; empty without rivals.
@@ -35,13 +37,21 @@ pub fn location(site: &str, components: &[&str], words: &str) -> String {
     format!("{} {place}: {words}", what.join(" with "))
 }
 
-/// The words of a family with the angle it turned out to be about: `near 32° of B`.
+/// The words of a family with the numbers that its shape turned out to have: `near 32° of B`, `2.90 per turn of C`.
 pub fn placed(words: &str, shape: &[ShapeNumber]) -> String {
-    let about = |number: &&ShapeNumber| ["at", "centre", "knee"].contains(&number.name.as_str());
-    shape.iter().find(about).map_or(words.into(), |number| {
-        let angle = format!("{:.0}° of", number.value.to_degrees());
-        words.replace("one angle of", &angle).replace("an angle of", &angle)
-    })
+    let mut words = words.to_owned();
+    for number in shape {
+        words = match number.name.as_str() {
+            "at" | "centre" | "knee" => {
+                let angle = format!("{:.0}° of", number.value.to_degrees());
+                words.replace("one angle of", &angle).replace("an angle of", &angle)
+            }
+            "cycles" => words.replace(CYCLES, &format!("{:.2}", number.value)),
+            "per_mm" => words.replace(PERIOD, &format!("{:.4}", TAU / number.value)),
+            _ => words,
+        };
+    }
+    words
 }
 
 /// `X`, `X and Y`, `X, Y and Z`; none for nothing.
@@ -60,5 +70,15 @@ mod tests {
         let words = location("axis:B", &["dx", "dz", "ec"], &placed("near one angle of B", &[centre]));
         let expected = "displacement along X and Z with rotation about Z at axis B, in the axes of what carries it: near 32° of B";
         assert_eq!(words, expected);
+    }
+
+    #[test]
+    fn a_wave_is_said_with_the_period_that_the_fit_gives() {
+        let said = |words: &str, name: &str, value: f64| {
+            placed(words, &[ShapeNumber { name: name.into(), value, unit: "1" }])
+        };
+        assert_eq!(said(&format!("{CYCLES} per turn of C"), "cycles", 2.8961), "2.90 per turn of C");
+        let words = format!("repeating along X every {PERIOD} mm");
+        assert_eq!(said(&words, "per_mm", TAU / 20.0), "repeating along X every 20.0000 mm");
     }
 }

@@ -41,13 +41,18 @@ pub(super) fn wave(joint: Joint, wave: &Wave) -> Draft {
     let within = (omega - WITHIN_U * u, omega + WITHIN_U * u);
     if joint.is_rotary() {
         let columns = vec![format!("cos(cycles*{joint})"), format!("sin(cycles*{joint})")];
-        let words = format!("{:.2} per turn of {joint}", wave.value);
+        let words = format!("{CYCLES} per turn of {joint}");
         return Draft::new(idea, 2, columns, words).with("cycles", within, &[omega]);
     }
     let columns = vec![format!("cos(per_mm*{joint})"), format!("sin(per_mm*{joint})")];
-    let words = format!("repeating along {joint} every {:.4} mm", wave.value);
+    let words = format!("repeating along {joint} every {PERIOD} mm");
     Draft::new(idea, 2, columns, words).with("per_mm", within, &[omega]).ground()
 }
+
+/// Stands in words for the period that the fit brings a wave to ([`crate::diagnosis::words::placed`]).
+pub const PERIOD: &str = "so many";
+/// The same for its cycles per turn.
+pub const CYCLES: &str = "so often";
 
 /// Uncertainties of a period within which it is refined.
 const WITHIN_U: f64 = 4.0;
