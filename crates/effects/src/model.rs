@@ -340,8 +340,9 @@ fn written_ladder(row: &LadderRow) -> Written {
     table
 }
 
+/// Nine digits, as of kept values: rounded again for a screen it is the figure of the fit itself.
 fn rounded(number: f64) -> f64 {
-    (number * 1e4).round() / 1e4
+    format!("{number:.8e}").parse().unwrap_or(number)
 }
 
 #[cfg(test)]
