@@ -198,22 +198,26 @@ pub enum SignVerdict {
     NotActive,
     /// It acts with the wrong sign.
     Wrong,
+    /// It acts by another share than all of it: some of the values were entered, or a value twice.
+    InPart,
     /// It is too small against the noise of this run to say.
     #[default]
     Unclear,
 }
 
 impl SignVerdict {
-    /// From the share of the correction that acts. The limits lie half way between right (1), not active (0) and wrong (−1);
-    /// where twice the standard uncertainty reaches over such a half, nothing is said.
+    /// From the share of the correction that acts: right (1), not active (0) or wrong (−1), where it is within a quarter of it, half way to
+    /// where it would no longer be told from the next, or within twice its standard uncertainty. Where that reaches over half way between
+    /// two, nothing is said.
     pub fn of(share: f64, u: f64) -> Self {
         const HALF_WAY: f64 = 0.5;
-        match share {
-            _ if u.is_nan() || 2.0 * u >= HALF_WAY => Self::Unclear,
-            share if share > HALF_WAY => Self::Right,
-            share if share < -HALF_WAY => Self::Wrong,
-            _ => Self::NotActive,
+        const NEAR: f64 = 0.25;
+        if u.is_nan() || 2.0 * u >= HALF_WAY {
+            return Self::Unclear;
         }
+        let answers = [(1.0, Self::Right), (0.0, Self::NotActive), (-1.0, Self::Wrong)];
+        let near = answers.into_iter().find(|(of, _)| (share - of).abs() <= NEAR.max(2.0 * u));
+        near.map_or(Self::InPart, |(_, answer)| answer)
     }
 }
 

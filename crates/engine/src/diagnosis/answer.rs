@@ -67,7 +67,10 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         (true, false) => (Verdict::UnnamedStructure, String::new(), String::new()),
     };
     let unfitted = refits.unfitted.iter().map(Unfitted::words);
-    for sentence in unfitted.chain(context.meaning_of_sign(&listed, &refits.candidates)) {
+    let remains = refits.set.as_ref().filter(|_| verdict == Verdict::MissingEffect);
+    let remains = remains.and_then(|refit| context.what_remains(refit));
+    let of_sign = context.meaning_of_sign(&listed, &refits.candidates);
+    for sentence in unfitted.chain(of_sign).chain(remains) {
         why = format!("{why} {sentence}").trim_start().into();
     }
     if verdict == Verdict::UnnamedStructure && formula.is_none() && next.is_empty() {
@@ -325,14 +328,41 @@ impl Context<'_> {
 
     /// What everything found does in one model. Further shapes are no part of it: the model has an effect once.
     fn together(&self, refit: &Refit, explained: &Explained) -> Together {
-        let is_whole = self.is_all() && self.found.further.ncols() == 0;
         Together {
             rms_um: refit.rms_um(),
             holdout_rms_um: refit.holdout_rms_um(),
             explains_fraction: explained.by(refit.rms_mm()),
             parameters: refit.parameters(),
-            adequate: is_whole && within_repeats(self.problem.fit(), refit.rms_mm()),
+            adequate: self.what_remains(refit).is_none(),
         }
+    }
+
+    /// Why a part remains with all that was found, and what to do; none where nothing remains.
+    fn what_remains(&self, refit: &Refit) -> Option<String> {
+        let asked = [
+            (
+                !within_repeats(self.problem.fit(), refit.rms_mm()),
+                "the residual is larger than repeats of a pose allow",
+            ),
+            (!self.found.complete, "more is significant in it, which was not named"),
+            (self.found.items.iter().any(Item::is_open), "a part of it has no name in the catalogue"),
+            (
+                self.found.further.ncols() > 0,
+                "one of these effects is needed with a second shape, and a model holds one",
+            ),
+            (!self.is_constant, "one of these effects changes with time or place by more than chance"),
+            (
+                !remainder_is_natural(self.scan, self.found),
+                "what repeats at the stops of the axes is larger than bearings, encoders and gears leave",
+            ),
+        ];
+        let reasons: Vec<&str> = asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why).collect();
+        (!reasons.is_empty()).then(|| {
+            format!(
+                "With all that was found a part remains: {}. Add these effects to the model, then diagnose again.",
+                reasons.join("; ")
+            )
+        })
     }
 
     /// What was kept without a name, the strongest first; several components of one site are one proposal.

@@ -17,7 +17,7 @@ pub struct Diagnosis {
     pub residual: ResidualSummary,
     /// The answer in one word.
     pub verdict: Verdict,
-    /// Why nothing is claimed and nothing cleared, and what was found but cannot be fitted; else empty.
+    /// Why nothing is claimed and nothing cleared, what was found but cannot be fitted, and what all that was found leaves; else empty.
     pub why: String,
     /// What the learned noise consists of, with all that was found in the model.
     pub noise: LearnedNoise,
