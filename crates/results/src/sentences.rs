@@ -244,7 +244,8 @@ pub fn most_moved(moved: &[Moved]) -> Option<&Moved> {
 pub fn evidence_words(evidence: f64) -> String {
     let odds = match evidence {
         e if e >= 6.0 => "more than a million to one".into(),
-        e if e >= 3.0 => format!("about {} to one", plain(10_f64.powf(e.floor()))),
+        // One digit: more is not known of odds.
+        e if e >= 3.0 => format!("about {:.0} to one", one_digit(10_f64.powf(e))),
         e => format!("{} to one", plain(10_f64.powf(e))),
     };
     let word = match evidence {
@@ -254,6 +255,12 @@ pub fn evidence_words(evidence: f64) -> String {
         _ => "It may be noise",
     };
     format!("{word}: {odds} against noise only (odds after the prior 10^{evidence:.1})")
+}
+
+/// A number rounded to its first digit.
+fn one_digit(number: f64) -> f64 {
+    let power = 10_f64.powf(number.log10().floor());
+    (number / power).round() * power
 }
 
 /// What a candidate is, its likely cause, and what speaks for it.
@@ -375,6 +382,16 @@ pub fn left_out(unit: Option<LeftOut>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn odds_are_said_to_their_first_digit() {
+        let said =
+            |evidence| evidence_words(evidence).split(" against").next().unwrap_or_default().to_owned();
+        assert_eq!(said(3.3), "It is probably significant: about 2000 to one");
+        assert_eq!(said(4.5), "It is significant: about 30000 to one");
+        assert_eq!(said(5.999), "It is significant: about 1000000 to one");
+        assert_eq!(said(2.0), "It may be noise: 100 to one");
+    }
 
     #[test]
     fn symbols_of_errors_are_said_in_words() {
