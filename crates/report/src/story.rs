@@ -6,7 +6,7 @@ use crate::number::{um, value_and_u};
 use crate::to_do::to_do;
 use crate::words::{
     effect_name, evidence_words, explanation, formula_leads, formula_shape, formula_site, headline, is_found,
-    sizes, verdict,
+    sizes, sizes_from, verdict,
 };
 use trunnion_results::sentences::complete;
 use trunnion_results::{
@@ -71,6 +71,9 @@ fn named(diagnosis: &Diagnosis, candidate: &Candidate) -> StoryCandidate {
     let mut about = Vec::new();
     if !speaks.is_empty() {
         about.push(["What speaks for it".into(), speaks]);
+    }
+    if let Some(from) = sizes_from(diagnosis, candidate) {
+        about.push(["Its size".into(), format!("{from}; the residual above is with this effect alone.")]);
     }
     about.extend(explanation(&candidate.effect).into_iter().map(|(label, text)| [label.into(), text]));
     StoryCandidate {

@@ -28,8 +28,8 @@ use crate::views::cuts;
 use crate::words::{
     EXPLAINS, NO_PLACE, TOGETHER, beyond_catalogue, candidate_figures, effect_name, evidence_words,
     explanation, formula_leads, formula_shape, formula_site, headline, left_out, names, no_place,
-    noise_origin, noticeable, planned_words, repeatability, sizes, together_figures, trial_verdict, verdict,
-    wave,
+    noise_origin, noticeable, planned_words, repeatability, sizes, sizes_from, together_figures,
+    trial_verdict, verdict, wave,
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
@@ -293,6 +293,9 @@ fn candidate(diagnosis: &Diagnosis, best: &Candidate) -> String {
         evidence_words(best.evidence),
         beyond_catalogue(best, &diagnosis.residual)
     ));
+    if let Some(from) = sizes_from(diagnosis, best) {
+        out += &paragraph(&format!("Its size, {from}:"));
+    }
     for p in sizes(diagnosis, best) {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         out += &format!("  {} = {value}, u = {u}\n", clean(&p.name));

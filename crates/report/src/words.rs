@@ -183,9 +183,8 @@ fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
         sentences.push(format!("Likely cause: {}", about.cause));
     }
     sentences.push(format!(
-        "With this effect in the model the residual falls from {} to {} rms ({}).",
-        um(diagnosis.residual.rms_um),
-        um(best.rms_um_after),
+        "With this effect in the model the residual {} rms ({}).",
+        goes(diagnosis.residual.rms_um, best.rms_um_after),
         repeatability(diagnosis.residual.noise_um)
     ));
     sentences.push(match (best.adequate, best.confused_with.is_empty()) {
@@ -222,6 +221,12 @@ pub(crate) fn sizes<'d>(diagnosis: &'d Diagnosis, candidate: &'d Candidate) -> V
     }
 }
 
+/// Where the sizes of a candidate come from, when it is not the fit with it alone, as the figures next to them.
+pub(crate) fn sizes_from(diagnosis: &Diagnosis, candidate: &Candidate) -> Option<&'static str> {
+    (diagnosis.found_together().is_some() && is_found(diagnosis, candidate))
+        .then_some("as fitted with all that was found together")
+}
+
 /// Error with a candidate, held-out error, share explained, and whether nothing structured remains.
 pub(crate) fn candidate_figures(one: &Candidate) -> [String; 4] {
     figures(one.rms_um_after, one.holdout_rms_um_after, one.explains_fraction, one.adequate)
@@ -246,10 +251,9 @@ fn several(diagnosis: &Diagnosis, found: &[&Candidate], together: &Together) -> 
         }
     }
     sentences.push(format!(
-        "With these {} effects in the model the residual falls from {} to {} rms ({}).",
+        "With these {} effects in the model the residual {} rms ({}).",
         found.len(),
-        um(diagnosis.residual.rms_um),
-        um(together.rms_um_after),
+        goes(diagnosis.residual.rms_um, together.rms_um_after),
         repeatability(diagnosis.residual.noise_um)
     ));
     let is_confounded = found.iter().any(|one| !one.confused_with.is_empty());

@@ -22,7 +22,7 @@ pub struct Diagnosis {
     /// The answer in one word.
     pub verdict: Verdict,
     /// Why these data cannot say, of an `undecided`; why nothing was judged; why a structure has no expression; what was found but cannot be
-    /// fitted. Else empty.
+    /// fitted; what all that was found together leaves, and what to do. Else empty.
     #[serde(default)]
     pub why: String,
     /// What the noise learned from these readings consists of.
@@ -95,7 +95,8 @@ pub struct Candidate {
     pub holdout_rms_um_after: Option<f64>,
     /// What it explains alone, as a share of what everything that was found explains together, 0…1.
     pub explains_fraction: f64,
-    /// Its parameters as fitted, shape numbers included.
+    /// Its parameters as fitted with it alone, shape numbers included; of what was found together, `together` has those of the common
+    /// fit.
     pub parameters: Vec<Parameter>,
     /// Effects that the data do not well distinguish from it.
     pub confused_with: Vec<String>,

@@ -263,6 +263,16 @@ fn one_digit(number: f64) -> f64 {
     (number / power).round() * power
 }
 
+/// `falls from 2.72 µm to 1.49 µm`, as its figures on screen go: `stays at 2.72 µm` where they are one.
+pub fn goes(before_um: f64, after_um: f64) -> String {
+    let (before, after) = (um(before_um), um(after_um));
+    match () {
+        () if before == after => format!("stays at {after}"),
+        () if after_um < before_um => format!("falls from {before} to {after}"),
+        () => format!("rises from {before} to {after}"),
+    }
+}
+
 /// What a candidate is, its likely cause, and what speaks for it.
 pub(crate) fn why(candidate: &Candidate, residual: &Residual) -> String {
     let catalogue =
@@ -274,12 +284,11 @@ pub(crate) fn why(candidate: &Candidate, residual: &Residual) -> String {
 pub fn beyond_catalogue(candidate: &Candidate, residual: &Residual) -> String {
     let held_out = residual.holdout_rms_um.zip(residual.holdout_unit).zip(candidate.holdout_rms_um_after);
     let held_out = held_out.map_or(String::new(), |((before, unit), after)| {
-        format!("on {} left out of the fit from {} to {}; ", unit.plural(), um(before), um(after))
+        format!("on {} left out of the fit it {}; ", unit.plural(), goes(before, after))
     });
     let falls = format!(
-        "With it the error falls from {} to {} ({held_out}{}).",
-        um(residual.rms_um),
-        um(candidate.rms_um_after),
+        "With it alone the error {} ({held_out}{}).",
+        goes(residual.rms_um, candidate.rms_um_after),
         repeatability(residual.noise_um)
     );
     let remains = match candidate.adequate {
@@ -391,6 +400,30 @@ mod tests {
         assert_eq!(said(4.5), "It is significant: about 30000 to one");
         assert_eq!(said(5.999), "It is significant: about 1000000 to one");
         assert_eq!(said(2.0), "It may be noise: 100 to one");
+    }
+
+    #[test]
+    fn an_error_that_rises_is_not_said_to_fall() {
+        let residual = Residual {
+            rms_um: 1.68,
+            holdout_rms_um: Some(3.1),
+            holdout_unit: Some(LeftOut::Pass),
+            ..Residual::default()
+        };
+        let of = |rms_um_after: f64, holdout: f64| {
+            let holdout_rms_um_after = Some(holdout);
+            beyond_catalogue(
+                &Candidate { rms_um_after, holdout_rms_um_after, ..Candidate::default() },
+                &residual,
+            )
+        };
+        let said = of(1.49, 3.72);
+        assert!(
+            said.contains("falls from 1.68 µm to 1.49 µm")
+                && said.contains("it rises from 3.10 µm to 3.72 µm"),
+            "{said}"
+        );
+        assert!(of(1.681, 3.0).contains("With it alone the error stays at 1.68 µm"));
     }
 
     #[test]

@@ -100,7 +100,7 @@ pub fn size_table(trial: &Trial) -> String {
         vec![p.name.clone(), value, u, p.note.clone()]
     };
     let rows: Vec<_> = trial.parameters.iter().map(row).collect();
-    let caption = format!("How big {} is, with its standard uncertainty", trial.effect);
+    let caption = format!("How big {} is alone, with its standard uncertainty", trial.effect);
     table(&caption, &["parameter", "value", "uncertainty", "remark"], &[1, 2], &rows)
 }
 

@@ -86,6 +86,7 @@ fn effects_found_together_are_named_together_with_what_they_leave_and_their_comm
     let uncertainties: Vec<&str> = said.candidates.iter().map(|one| one.sizes[0][2].as_str()).collect();
     assert_eq!(uncertainties, ["0.10 µm", "0.10 µm", "0.50 µm"], "sizes as fitted together");
     let text = diagnosis_text(&diagnosis);
+    assert!(text.contains("Its size, as fitted with all that was found together:"), "{text}");
     let row = text.lines().find(|line| line.starts_with("all found together")).unwrap();
     assert!(row.contains("0.31 µm") && row.contains("0.33 µm") && row.ends_with("yes"), "{row}");
 
