@@ -359,7 +359,7 @@ impl Context<'_> {
         let reasons: Vec<&str> = asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why).collect();
         (!reasons.is_empty()).then(|| {
             format!(
-                "With all that was found a part remains: {}. Add these effects to the model, then diagnose again.",
+                "All that was found together is not adequate: {}. Add these effects to the model, then diagnose again.",
                 reasons.join("; ")
             )
         })
