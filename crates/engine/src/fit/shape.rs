@@ -18,7 +18,7 @@ use crate::spectrum::wave::Waves;
 use crate::{Experiment, IdentifyError};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::Joint;
-use trunnion_effects::Instance;
+use trunnion_effects::{Instance, Unit};
 
 /// Points that a search looks at.
 const MOST_POINTS: usize = 4000;
@@ -26,6 +26,9 @@ const MOST_POINTS: usize = 4000;
 const SURVIVES: f64 = 1e-4;
 /// Relative singular value of a direction that columns do not have.
 const NO_DIRECTION: f64 = 1e-8;
+/// Share of the largest column of an effect and unit below which another is rounding of positions: a micrometre in a millimetre, some arc seconds in a
+/// degree.
+const NOTHING: f64 = 1e-3;
 const MOST_ROUNDS: usize = 4;
 const GOLDEN_STEPS: usize = 24;
 
@@ -177,10 +180,15 @@ fn score(
     left: &DVector<f64>,
 ) -> f64 {
     let mut columns = selected(experiment, &[(instance, shape)], rows);
-    for mut column in columns.column_iter_mut() {
-        let norm = column.norm();
-        if norm > 0.0 {
-            column.unscale_mut(norm);
+    let units = instance.parameters(&experiment.scene).into_iter().map(|parameter| parameter.unit);
+    let sizes: Vec<(Unit, f64)> = units.zip(columns.column_iter().map(|column| column.norm())).collect();
+    for (mut column, (unit, norm)) in columns.column_iter_mut().zip(&sizes) {
+        let of_unit = sizes.iter().filter(|(other, _)| other == unit).map(|(_, norm)| *norm);
+        // What is left of a sine that is read at its zeros is no column: the fit gives it no number either.
+        if *norm > NOTHING * of_unit.fold(0.0, f64::max) {
+            column.unscale_mut(*norm)
+        } else {
+            column.fill(0.0)
         }
     }
     let own = &columns - others * others.tr_mul(&columns);
