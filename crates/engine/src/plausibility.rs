@@ -21,6 +21,7 @@ mod sizes;
 mod ways;
 
 pub use found::Implausible;
+pub use readings::FEWEST_POINTS;
 
 use trunnion_cycles::Run;
 

@@ -33,6 +33,7 @@ use crate::words::{
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
+use trunnion_results::FEWEST_POINTS;
 use trunnion_results::sentences::{complete, doubts, inadequate};
 use trunnion_results::{
     Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
@@ -98,6 +99,12 @@ pub fn check_text(check: &Check) -> String {
     let head =
         head + &complete(&check.complete).iter().map(|sentence| paragraph(sentence)).collect::<String>();
     match check.plausibility.is_empty() {
+        true if check.points < FEWEST_POINTS => {
+            let few = format!(
+                "The positions are possible. The readings were not asked: that needs {FEWEST_POINTS} points or more."
+            );
+            head + &paragraph(&few)
+        }
         true => head + "Positions, readings and times fit together: no mistake was found.\n",
         false => head + &set_apart(&implausible(&check.plausibility)),
     }
@@ -198,9 +205,10 @@ pub fn trial_text(trial: &Trial) -> String {
     out
 }
 
-/// Verdict, candidates, formula and what to measure next.
-pub fn diagnosis_text(diagnosis: &Diagnosis) -> String {
-    let input = Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() };
+/// Verdict, candidates, formula and what to measure next. `doubts`: why the runs cannot be judged, if they cannot.
+pub fn diagnosis_text(diagnosis: &Diagnosis, doubts: &[Plausibility]) -> String {
+    let identification = Identification { plausibility: doubts.to_vec(), ..Identification::default() };
+    let input = Comparison { diagnosis: Some(diagnosis.clone()), identification, ..Comparison::default() };
     let residual = &diagnosis.residual;
     let mut out = format!("{}\n", clean(&headline(&input)));
     let explained = diagnosis.explained().map_or(String::new(), |fraction| {

@@ -76,7 +76,9 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
         }
     }
     let lead = if sentences.is_empty() { "" } else { "In addition, " };
-    sentences.extend(location_sentence(&input.identification.parameters, lead));
+    if !is_doubted(input) {
+        sentences.extend(location_sentence(&input.identification.parameters, lead));
+    }
     sentences.extend(doubts(&input.identification));
     sentences
 }
@@ -88,6 +90,11 @@ fn why(diagnosis: &Diagnosis) -> Option<String> {
 pub(crate) fn is_only_incomplete(input: &Comparison) -> bool {
     let asked = &input.identification.plausibility;
     !asked.is_empty() && asked.iter().all(|one| one.question == Question::Whole)
+}
+
+/// The runs cannot be what they say they are, so that no number of theirs is one of the machine.
+fn is_doubted(input: &Comparison) -> bool {
+    input.identification.plausibility.iter().any(|one| one.question == Question::Plausible)
 }
 
 /// True where nothing is wrong with the runs and the diagnosis itself gave no answer.

@@ -233,3 +233,19 @@ impl Correction {
         errors.axes.iter().map(axis).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_that_is_none_of_the_three_is_said_to_act_in_part() {
+        let of = |share: f64| SignVerdict::of(share, 0.002);
+        assert_eq!([1.0, 0.97, 1.2].map(of), [SignVerdict::Right; 3]);
+        assert_eq!([0.6, 1.5, 0.45, -0.5, 2.0].map(of), [SignVerdict::InPart; 5]);
+        assert_eq!([0.0, 0.2, -0.2].map(of), [SignVerdict::NotActive; 3]);
+        assert_eq!(of(-1.1), SignVerdict::Wrong);
+        assert_eq!(SignVerdict::of(0.6, 0.22), SignVerdict::Right, "as likely as not all of it");
+        assert_eq!([0.3, f64::NAN].map(|u| SignVerdict::of(1.0, u)), [SignVerdict::Unclear; 2]);
+    }
+}

@@ -101,7 +101,7 @@ pub use method_list::{MethodLine, MethodList, MethodListFormat};
 pub use nc_program::{NcProgram, NcProgramFormat};
 pub use page_status::{CycleGrid, GridPose, PageCycle, PageFormat, PageStatus, Serves};
 pub use plan::{Considered, Goal, LeftOpen, NextPlanned, Plan, PlanFormat};
-pub use plausibility::{Check, CheckFormat, Plausibility, Question};
+pub use plausibility::{Check, CheckFormat, FEWEST_POINTS, Plausibility, Question};
 pub use prediction::{Prediction, PredictionFormat, RunPrediction, Taken};
 pub use preview::{Alias, OutOfReach, Preview, PreviewFormat, SeenBy, SeparatedBy};
 pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, ShiftedPlace};

@@ -6,6 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_engine as engine;
 
+pub use trunnion_engine::plausibility::FEWEST_POINTS;
+
 /// What is asked of runs before anything is judged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

@@ -83,7 +83,7 @@ impl Diagnosed {
 
     /// The answer as text.
     pub fn summary(&self) -> String {
-        trunnion_report::diagnosis_text(&self.results())
+        trunnion_report::diagnosis_text(&self.results(), &self.fit.experiment().plausibility())
     }
 
     /// The effect or formula that leads, if the verdict names one.

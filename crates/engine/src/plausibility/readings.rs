@@ -15,7 +15,7 @@ use trunnion_cycles::Run;
 /// fewer are doubted a little too seldom.
 const NO_STRUCTURE: f64 = 0.75;
 /// Fewer points say nothing.
-pub(super) const FEWEST_POINTS: usize = 12;
+pub const FEWEST_POINTS: usize = 12;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let looked: Vec<Looked> = runs

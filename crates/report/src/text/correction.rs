@@ -122,6 +122,9 @@ pub fn correction_judged_text(answer: &CorrectionJudged) -> String {
         SignVerdict::Wrong => {
             "The sign is wrong: the errors have grown. Undo it, change the sign, and test again."
         }
+        SignVerdict::InPart => {
+            "The correction acts by another share than all of it. Check that every value was entered, and each once."
+        }
         SignVerdict::Unclear => "This run cannot say: the correction is too small against its noise.",
     };
     format!(

@@ -85,7 +85,7 @@ fn effects_found_together_are_named_together_with_what_they_leave_and_their_comm
     assert_eq!(found, [true, true, false]);
     let uncertainties: Vec<&str> = said.candidates.iter().map(|one| one.sizes[0][2].as_str()).collect();
     assert_eq!(uncertainties, ["0.10 µm", "0.10 µm", "0.50 µm"], "sizes as fitted together");
-    let text = diagnosis_text(&diagnosis);
+    let text = diagnosis_text(&diagnosis, &[]);
     assert!(text.contains("Its size, as fitted with all that was found together:"), "{text}");
     let row = text.lines().find(|line| line.starts_with("all found together")).unwrap();
     assert!(row.contains("0.31 µm") && row.contains("0.33 µm") && row.ends_with("yes"), "{row}");
@@ -206,7 +206,7 @@ fn nothing_found_explains_no_share_of_anything() {
     diagnosis.residual.unexplained_fraction = Some(1.0);
     let story = story(&Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() });
     assert!(story.sure[0].starts_with("Nothing significant was found"), "{:?}", story.sure);
-    let text = diagnosis_text(&diagnosis);
+    let text = diagnosis_text(&diagnosis, &[]);
     for said in story.sure.iter().chain(story.facts.iter().map(|fact| &fact.value)).chain([&text]) {
         assert!(!said.contains("0 %"), "{said}");
     }

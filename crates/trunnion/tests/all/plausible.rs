@@ -120,7 +120,14 @@ fn what_is_not_plausible_is_not_judged_and_says_why_on_every_surface() {
     for surface in [answer.why.as_str(), &diagnosed.summary(), &fit.summary(), &page] {
         let words = surface.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains("the sense of C reversed"), "{surface}");
+        assert!(!words.contains("diagnosis failed") && !words.contains("have location errors"), "{surface}");
     }
+    assert!(diagnosed.summary().starts_with("Not judged: these runs cannot be what they say they are"));
+    // Too few readings to ask anything of them.
+    files.rows.truncate(11);
+    files.change("c_deg", |angle| -angle);
+    let few = trunnion::report::check_text(&files.open().check());
+    assert!(few.contains("The readings were not asked: that needs 12 points or more."), "{few}");
 }
 
 /// Only weight knows where down is: what its sag says of the frame, a person can see.
