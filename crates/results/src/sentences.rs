@@ -399,7 +399,7 @@ mod tests {
         assert_eq!(said(3.3), "It is probably significant: about 2000 to one");
         assert_eq!(said(4.5), "It is significant: about 30000 to one");
         assert_eq!(said(5.999), "It is significant: about 1000000 to one");
-        assert_eq!(said(2.0), "It may be noise: 100 to one");
+        assert_eq!(said(2.0), "It is probably significant: 100 to one");
     }
 
     #[test]

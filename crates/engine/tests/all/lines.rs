@@ -52,12 +52,17 @@ fn a_trend_on_a_line_measured_one_way_is_no_scale() {
 
 #[test]
 fn where_a_laser_deviates_no_bar_is_named() {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    let mut white_um = || -> f64 { StandardNormal.sample(&mut random) };
-    let experiment = line(&one_way(), |share| if share > 0.5 { 8.0 } else { 0.0 } + 0.3 * white_um());
-    let left_mm =
-        DVector::from_fn(experiment.rows(), |row, _| if row > 80 { 8e-3 } else { 1e-4 * (row % 7) as f64 });
-    let places = places(&experiment, &left_mm, &vec![true; experiment.points.len()]);
+    // Ten passes, forth and back; beyond 16 mm of 32 the axis is 8 µm off.
+    let forth = |k: usize| k / 32 % 2 == 0;
+    let at_mm = |k: usize| if forth(k) { (k % 32) as f64 } else { 31.0 - (k % 32) as f64 };
+    let positions: Vec<f64> = (0..320).map(at_mm).collect();
+    let mut experiment = line(&positions, |_| 0.0);
+    for (k, point) in experiment.points.iter_mut().enumerate() {
+        point.state.direction[X] = if forth(k) { 1.0 } else { -1.0 };
+    }
+    let off_mm = |k: usize| if at_mm(k) > 16.0 { 8e-3 } else { 0.0 };
+    let left_mm = DVector::from_fn(320, |k, _| off_mm(k) + 1e-4 * (k * 7 % 5) as f64);
+    let places = places(&experiment, &left_mm, &[true; 320]);
     assert_eq!(places[0].component, "reading along the beam", "{places:?}");
     assert!(places[0].words.starts_with("reading along the beam, "), "{}", places[0].words);
 }

@@ -120,7 +120,7 @@ mod tests {
         let mut runs: Vec<HistoryRun> = (0..8).map(day).collect();
         let watched = watch(&mut runs, &[0]);
         let names: Vec<&str> = watched.iter().map(|one| one.name.as_str()).collect();
-        assert_eq!(names, ["rms", "scale of linear-scale:X", "scale of linear-scale:Z", "EB0C"]);
+        assert_eq!(names, ["rms", "scale of linear-scale:X", "scale of linear-scale:Z"]);
         assert_eq!(watched[2].effect, "linear-scale:Z");
         assert!(runs[6..].iter().all(|run| run.alarms == ["scale of linear-scale:Z"]), "{runs:?}");
     }
