@@ -53,7 +53,7 @@ fn a_trend_on_a_line_measured_one_way_is_no_scale() {
 #[test]
 fn where_a_laser_deviates_no_bar_is_named() {
     // Ten passes, forth and back; beyond 16 mm of 32 the axis is 8 µm off.
-    let forth = |k: usize| k / 32 % 2 == 0;
+    let forth = |k: usize| (k / 32).is_multiple_of(2);
     let at_mm = |k: usize| if forth(k) { (k % 32) as f64 } else { 31.0 - (k % 32) as f64 };
     let positions: Vec<f64> = (0..320).map(at_mm).collect();
     let mut experiment = line(&positions, |_| 0.0);
