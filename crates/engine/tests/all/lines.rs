@@ -5,6 +5,7 @@ use nalgebra::{DVector, Point3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
 use trunnion_core::axis::iso::X;
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Setup, State};
 use trunnion_effects::Model;
@@ -119,4 +120,26 @@ fn equal_readings_of_a_coarse_display_repeat_no_better_than_its_step() {
     let fit = identify(&experiment, &model, &FitOptions::default()).unwrap();
     let sigma_mm = fit.repeatability.expect("every place was measured twice").sigma_mm;
     assert!((sigma_mm - 0.45e-3 / 12f64.sqrt()).abs() < 1e-9, "{sigma_mm}");
+}
+
+#[test]
+fn a_wave_on_positions_written_with_few_digits_keeps_its_period() {
+    // 664 positions 0.039 215 mm apart, written to 0.1 µm: the alias of 6 mm is 0.039 473 mm.
+    let at = |i: i32| (f64::from(i) * 26.0 / 663.0 * 1e4).round() * 1e-4;
+    let positions: Vec<f64> = (0..664).map(at).collect();
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut white_um = || -> f64 { StandardNormal.sample(&mut random) };
+    let experiment =
+        line(&positions, |share| 3.0 * (TAU * share * 664.0 / 663.0 * 26.0 / 6.0).sin() + white_um());
+    let model = Model::base(&experiment.machine().name);
+    let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
+    let found = diagnosis.candidates.first().expect("the wave");
+    assert_eq!(found.effect, "ballscrew-pitch:X");
+    let period = found.period.as_ref().unwrap();
+    assert!((period.value - 6.0).abs() < 0.05, "{period:?}");
+    assert!((period.alias.unwrap() - 0.039_473).abs() < 1e-5, "{period:?}");
+    assert!(
+        found.explains_fraction > 0.99 && found.rms_um_after < 0.6 * diagnosis.residual.rms_um,
+        "{found:?}"
+    );
 }
