@@ -107,6 +107,7 @@ pub(super) fn answer(
         None if separates && before.seen_ln.iter().all(|ln| *ln < design.separated_ln) => {
             too_faint(design, before)
         }
+        None if separates => none_separates(design, apart_before == pairs.len(), before_ln, considered.len()),
         best => words(design, best, &left_open, before_ln),
     };
     Plan {
@@ -169,12 +170,6 @@ fn words(
             };
             text + &left_open_words(design, left_open)
         }
-        (Rivals::Separate(_), None) => {
-            format!(
-                "No choice of directions and feeds separates {ids}: they are confounded wherever the axes go.{}",
-                load_words(design, &design.ids())
-            )
-        }
         (Rivals::Reveal(_), Some(best)) => format!(
             "{} effects are not observable in the present cycle. The best next cycle is {}: {}. In {:.0} minutes it would \
              show {} of them and separate {} from all others.",
@@ -185,10 +180,33 @@ fn words(
             best.shows.len(),
             best.separates.len()
         ),
-        (Rivals::Reveal(_), None) => {
+        (_, None) => {
             format!("No cycle considered shows more than the present one. Still not observable: {ids}.")
         }
     }
+}
+
+/// Why there is no cycle to choose: the present data separate the rivals as they are, no cycle of this machine and these setups was considered,
+/// or none of those considered separates more. `considered` counts the present one too.
+fn none_separates(design: &CycleDesign<'_>, all_apart: bool, before_ln: f64, considered: usize) -> String {
+    let ids = design.ids().join(", ");
+    let why = match (all_apart, considered.saturating_sub(1)) {
+        (true, _) => {
+            return format!(
+                "The noise of the present data allows to separate {ids}: odds of 10^{:.1} are expected between the hardest pair. No further \
+                 cycle is needed for that. Where they are found confounded, something else differs from all of them: add the first and \
+                 diagnose again.",
+                before_ln / LN_10
+            );
+        }
+        (false, 0) => format!(
+            "No cycle is known to the planner that separates {ids} on this machine with these setups."
+        ),
+        (false, count) => {
+            format!("None of the {count} cycles considered separates more of {ids} than the present data do.")
+        }
+    };
+    why + &load_words(design, &design.ids())
 }
 
 /// Where there is hardly anything to explain, no cycle can say what explains it.

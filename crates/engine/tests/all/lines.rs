@@ -12,6 +12,7 @@ use trunnion_effects::Model;
 use trunnion_engine::compare::places;
 use trunnion_engine::diagnosis::Options;
 use trunnion_engine::fit::Options as FitOptions;
+use trunnion_engine::next_cycle::{Options as PlanOptions, plan, rivals_named};
 use trunnion_engine::{Experiment, Verdict, diagnose, identify};
 use trunnion_machine::shipped;
 
@@ -142,4 +143,17 @@ fn a_wave_on_positions_written_with_few_digits_keeps_its_period() {
         found.explains_fraction > 0.99 && found.rms_um_after < 0.6 * diagnosis.residual.rms_um,
         "{found:?}"
     );
+}
+
+#[test]
+fn where_no_cycle_was_considered_nothing_is_said_of_all_cycles() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut white_um = || -> f64 { StandardNormal.sample(&mut random) };
+    let experiment = line(&one_way(), |share| 8.0 * share + 0.3 * white_um());
+    let model = Model::base(&experiment.machine().name);
+    let ids = ["thermal-drift", "linear-scale:X"].map(String::from);
+    let rivals = rivals_named(&ids, experiment.machine()).unwrap();
+    let plan = plan(&experiment, &model, &rivals, &PlanOptions::default()).unwrap();
+    assert!(plan.considered.iter().all(|row| row.cycle.is_none()), "a machine without rotary axes");
+    assert!(plan.answer.starts_with("No cycle is known to the planner"), "{}", plan.answer);
 }

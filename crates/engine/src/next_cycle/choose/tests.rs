@@ -112,3 +112,12 @@ fn the_chosen_cycle_can_be_run_and_read_back() {
         assert!((visits.duration_s / 60.0 - row.minutes).abs() < 0.01, "{}", row.name);
     }
 }
+
+#[test]
+fn rivals_that_the_present_data_separate_are_not_said_to_be_confounded_everywhere() {
+    let experiment = measured("backlash:C", 8e-6, 0);
+    let pair = rivals(&["backlash:C", "servo-lag:C"]);
+    let plan = plan(&experiment, &Model::base("table-bc"), &pair, &Options::default()).unwrap();
+    assert!(plan.next.is_none() && plan.before_ln > Options::default().separated_ln, "{}", plan.before_ln);
+    assert!(plan.answer.contains("No further cycle is needed"), "{}", plan.answer);
+}
