@@ -213,6 +213,14 @@ impl Diagnosis {
         (found.len() == self.set.len()).then_some((found, together))
     }
 
+    /// All that the verdict names: the effects found together, else the effect or formula that leads; empty where it names none.
+    pub fn named(&self) -> Vec<String> {
+        match self.found_together() {
+            Some((found, _)) => found.into_iter().map(|one| one.effect.clone()).collect(),
+            None => self.best().into_iter().collect(),
+        }
+    }
+
     /// The effect or formula that leads, if the verdict names one.
     pub fn best(&self) -> Option<String> {
         match self.verdict {

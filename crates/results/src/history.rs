@@ -59,7 +59,7 @@ pub struct HistoryRun {
     pub began: String,
     /// What the diagnosis says.
     pub verdict: Verdict,
-    /// The effect or expression that leads, if the verdict names one.
+    /// The effects found together, else the effect or expression that leads, if the verdict names one.
     pub candidate: Option<String>,
     /// Residual of the fit, µm rms; null where the run was not fitted.
     pub rms_um: Option<f64>,

@@ -28,7 +28,8 @@ impl Fit {
     /// The answer of a diagnosis in one word, and why where nothing is claimed; not judged where the diagnosis fails.
     pub fn verdict(&self) -> (results::Verdict, String) {
         let answer = Diagnosed::or_not_judged(self).results();
-        let found = answer.best().map_or(answer.why, |best| format!("It lacks {best}."));
+        let named = answer.named();
+        let found = if named.is_empty() { answer.why } else { format!("It lacks {}.", named.join("; ")) };
         (answer.verdict, found)
     }
 }

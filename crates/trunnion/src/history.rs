@@ -237,7 +237,7 @@ fn judged(files: &[PathBuf], run: HistoryRun, model: Option<&Model>) -> (History
                 |p: &&Parameter| judged && p.value.is_some() && p.u.is_some() && !is_setting(&p.effect);
             let run = HistoryRun {
                 verdict: diagnosis.verdict,
-                candidate: diagnosis.best(),
+                candidate: Some(diagnosis.named().join("; ")).filter(|named| !named.is_empty()),
                 rms_um: Some(fit.rms_um).filter(|_| judged),
                 temperature_degc: diagnosed.fit().experiment().temperature_degc(),
                 values: fit.parameters.iter().filter(of_machine).cloned().collect(),

@@ -40,6 +40,16 @@ fn the_missing_effect_is_found_added_and_saved() {
 }
 
 #[test]
+fn a_verdict_names_all_that_was_found_together() {
+    let run = trunnion::open(committed("points-backlash-and-drift")).unwrap();
+    let (verdict, why) = run.fit(&run.base_model()).unwrap().verdict();
+    assert_eq!(verdict, Verdict::MissingEffect);
+    for effect in ["backlash:C", "thermal-drift"] {
+        assert!(why.contains(effect), "{why}");
+    }
+}
+
+#[test]
 fn every_surface_shows_the_same_figures() {
     let run = trunnion::open(committed("points-unnamed")).unwrap();
     let fit = run.fit(&run.base_model()).unwrap();
