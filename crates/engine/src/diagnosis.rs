@@ -55,8 +55,9 @@ pub fn diagnose(
 pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diagnosis, DiagnoseError> {
     let mut options = options.clone();
     let (mut doubts, mut real): (Vec<String>, Option<Vec<String>>) = (Vec::new(), None);
+    let mut scan = scan::Scan::new(problem, &options.without)?;
     loop {
-        match answer::answer(problem, &scan::Scan::new(problem, &options.without)?, &options)? {
+        match answer::answer(problem, &scan, &options)? {
             Answer::Diagnosis(diagnosis) => {
                 return Ok(match real {
                     None => *diagnosis,
@@ -68,7 +69,9 @@ pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diag
                 real = Some(with.into_iter().filter(is_real).collect());
                 options.without.push(effect);
                 doubts.push(why);
+                scan = scan::Scan::new(problem, &options.without)?;
             }
+            Answer::NotAdded { effect } => options.not_added.push(effect),
         }
     }
 }

@@ -31,7 +31,8 @@ const SHOWN: f64 = 0.005;
 
 /// Answers for the model of `problem`, unless a named effect that was found cannot be the cause.
 pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Result<Answer, DiagnoseError> {
-    let found = search(scan, options.claim_ln, options.look_ahead).ok_or(DiagnoseError::NoNoise)?;
+    let found = search(scan, options.claim_ln, options.look_ahead, &options.not_added)
+        .ok_or(DiagnoseError::NoNoise)?;
     let all_found_mm = scan.left(&columns_of(found.items.iter(), scan.remainder.y.len()));
     let alone_mm = scan.left(&DMatrix::zeros(scan.remainder.y.len(), 0));
     let is_constant = is_constant(scan, &found, options.claim_ln);
@@ -52,6 +53,9 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let explained = refits.explained(problem);
     if let Some((effect, why)) = context.not_the_cause(&listed, &refits.candidates) {
         return Ok(Answer::Without { with: context.found_with(&effect), effect, why });
+    }
+    if let Some(effect) = context.predicts_nothing(&listed, &refits) {
+        return Ok(Answer::NotAdded { effect });
     }
     let candidates = context.candidates(&listed, &refits.candidates, &explained);
     let formula_leads = context.formula_leads(&listed);
@@ -120,6 +124,10 @@ pub enum Answer {
         /// What was found together with it: only this is not what it leaves behind.
         with: Vec<String>,
     },
+    /// Search again and do not add this effect: a model that has it next to the others that were found is no better.
+    NotAdded {
+        effect: String,
+    },
 }
 
 /// Effects that the model imitates in this cycle. One that was found is part of what imitates it, and was seen.
@@ -155,6 +163,8 @@ struct Refits {
     formula: Option<Refit>,
     /// With everything that was found together.
     set: Option<Refit>,
+    /// With everything but one of the names, where that is more than one thing.
+    but: Vec<(usize, Refit)>,
     /// Those that failed.
     unfitted: Vec<Unfitted>,
 }
@@ -202,16 +212,56 @@ impl Context<'_> {
         };
         let mut additions: Vec<_> = listed.iter().map(alone).collect();
         let formula = self.strongest(true).map(|item| self.entries_of(item).to_vec());
-        let set = (self.found.items.len() > 1).then(|| self.set_as_added());
+        let set = (self.found.items.len() > 1).then(|| self.set_as_added(None));
         let (with_formula, with_set) = (formula.is_some(), set.is_some());
         additions.extend(formula);
         additions.extend(set);
+        // Of two things each is fitted alone anyhow.
+        let names: Vec<usize> = if self.found.items.len() > 2 { self.names().collect() } else { Vec::new() };
+        additions.extend(names.iter().map(|group| self.set_as_added(Some(*group))));
+        let mut fits = refits(self.problem, additions);
+        let of_names = fits.split_off(fits.len() - names.len());
+        let but =
+            names.into_iter().zip(of_names).filter_map(|(group, refit)| Some((group, refit.ok()?))).collect();
         let mut unfitted = Vec::new();
         let fitted = |refit: Result<Refit, Unfitted>| refit.map_err(|failed| unfitted.push(failed)).ok();
-        let mut candidates: Vec<_> = refits(self.problem, additions).into_iter().map(fitted).collect();
+        let mut candidates: Vec<_> = fits.into_iter().map(fitted).collect();
         let set = if with_set { candidates.pop().flatten() } else { None };
         let formula = if with_formula { candidates.pop().flatten() } else { None };
-        Refits { candidates, formula, set, unfitted }
+        Refits { candidates, formula, set, but, unfitted }
+    }
+
+    /// The last of the names with which the model, as a person adds it, is no better than with the others that were found: the veto of
+    /// what was not seen (docs/design/statistics.md §5). Better is smaller in the fit, and on what is left out of it where anything can be.
+    fn predicts_nothing(&self, listed: &[(usize, Item)], refits: &Refits) -> Option<String> {
+        let with = refits.set.as_ref()?;
+        let alone = |other: &Item| match other.what {
+            What::Open(_) => refits.formula.as_ref(),
+            What::Named(other) => {
+                let at = listed.iter().position(|(group, _)| *group == other)?;
+                refits.candidates[at].as_ref()
+            }
+        };
+        let without = |name: usize| match &self.found.items[..] {
+            [one, other] => alone(if one.what == What::Named(name) { other } else { one }),
+            _ => refits.but.iter().find(|(group, _)| *group == name).map(|(_, refit)| refit),
+        };
+        let is_better = |without: &Refit| {
+            let held_out = with.holdout_rms_um().zip(without.holdout_rms_um());
+            with.rms_mm() < without.rms_mm() && held_out.is_none_or(|(with, without)| with < without)
+        };
+        let is_name = |group: &usize| self.names().any(|name| name == *group);
+        let in_vain = |group: &usize| without(*group).is_some_and(|without| !is_better(without));
+        let mut names = listed.iter().rev().map(|(group, _)| *group).filter(is_name);
+        names.find(in_vain).map(|group| self.scan.named[group].instance.id())
+    }
+
+    /// Named effects that were found.
+    fn names(&self) -> impl Iterator<Item = usize> {
+        self.found.items.iter().filter_map(|item| match item.what {
+            What::Named(group) => Some(group),
+            What::Open(_) => None,
+        })
     }
 
     /// One for each of the listed that can be added.
@@ -266,13 +316,15 @@ impl Context<'_> {
         self.entries.concat()
     }
 
-    /// The same as a person adds them: shape numbers of the catalogue's effects are for the fit to find, as of a candidate alone.
-    fn set_as_added(&self) -> Vec<ModelEffect> {
-        let as_added = |entry: ModelEffect| match Formula::name_of(&entry.id) {
-            Some(_) => entry,
-            None => ModelEffect { id: entry.id, ..ModelEffect::default() },
+    /// The same as a person adds them, but for one: shape numbers of the catalogue's effects are for the fit to find, as of a candidate alone.
+    fn set_as_added(&self, but: Option<usize>) -> Vec<ModelEffect> {
+        let as_added = |entry: &ModelEffect| match Formula::name_of(&entry.id) {
+            Some(_) => entry.clone(),
+            None => ModelEffect { id: entry.id.clone(), ..ModelEffect::default() },
         };
-        self.set().into_iter().map(as_added).collect()
+        let is_in = |item: &Item| but.is_none_or(|group| item.what != What::Named(group));
+        let kept = self.found.items.iter().zip(&self.entries).filter(|(item, _)| is_in(item));
+        kept.flat_map(|(_, entries)| entries).map(as_added).collect()
     }
 
     /// Those of one of the items found.

@@ -16,11 +16,13 @@ pub struct Options {
     pub look_ahead: usize,
     /// Ids of effects that take no part, as if the catalogue did not have them.
     pub without: Vec<String>,
+    /// Ids of effects that are weighed, but not found together with others.
+    pub not_added: Vec<String>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { claim_ln: CLAIM_LN, candidates: 6, look_ahead: 4, without: Vec::new() }
+        Self { claim_ln: CLAIM_LN, candidates: 6, look_ahead: 4, without: Vec::new(), not_added: Vec::new() }
     }
 }
 

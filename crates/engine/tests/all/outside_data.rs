@@ -1,9 +1,10 @@
 //! Acceptance on points that another simulator made (tests/data/PROVENANCE.md).
 
 use crate::common::points_run;
+use std::f64::consts::LN_10;
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_engine::diagnosis::Options;
-use trunnion_engine::{Diagnosis, Experiment, Verdict, diagnose};
+use trunnion_engine::{Candidate, Diagnosis, Experiment, Verdict, diagnose};
 
 fn diagnosed(set: &str, added: &[&str]) -> Diagnosis {
     let run = points_run(set);
@@ -59,6 +60,9 @@ fn backlash_and_drift_are_found_one_after_the_other() {
     let together = both.together.as_ref().unwrap();
     let repeatability_um = both.residual.noise_um.unwrap();
     assert!(together.rms_um < 1.2 * repeatability_um, "{together:?} {repeatability_um}");
+    // Next to the other each is worth its name.
+    let stands = |one: &Candidate| one.evidence * LN_10 > Options::default().claim_ln;
+    assert!(both.candidates.iter().filter(|one| truth.contains(&one.effect.as_str())).all(stands));
     assert!(both.candidates.iter().all(|one| one.rms_um_after > 2.0 * together.rms_um && !one.adequate));
     for id in truth {
         assert!(together.parameters.iter().any(|p| p.effect == id && p.u.is_some()), "{together:?}");
