@@ -5,7 +5,8 @@ use crate::diagnosis::entries::entries;
 use crate::diagnosis::families::Number;
 use crate::diagnosis::judged::{OpenEffect, Verdict};
 use crate::diagnosis::judgement::{
-    noise_sizes, nothing_claimed, noticeable_um, open_effects, remainder_is_natural, within_repeats,
+    noise_sizes, nothing_claimed, noticeable_um, open_effects, remainder_is_natural, units_differ,
+    within_repeats,
 };
 use crate::diagnosis::options::{DiagnoseError, Options};
 use crate::diagnosis::refits::{Explained, Refit, Unfitted, refits};
@@ -57,10 +58,14 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     if let Some(effect) = context.predicts_nothing(&listed, &refits) {
         return Ok(Answer::NotAdded { effect });
     }
-    let candidates = context.candidates(&listed, &refits.candidates, &explained);
+    let mut candidates = context.candidates(&listed, &refits.candidates, &explained);
     let formula_leads = context.formula_leads(&listed);
+    if formula_leads {
+        // None of them is the answer: the one that does most comes closest to it.
+        candidates.sort_by(|a, b| a.rms_um_after.total_cmp(&b.rms_um_after));
+    }
     let formula = context
-        .formula(refits.formula.as_ref(), &explained)
+        .formula(refits.formula.as_ref(), &explained, &candidates)
         .filter(|formula| formula_leads || formula.explains_fraction >= SHOWN);
     let fit = problem.fit();
     let (verdict, mut why, mut next) = match (candidates.is_empty(), formula_leads) {
@@ -81,11 +86,12 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         next = NextCycle::REPEAT_THIS_PASS.into();
     }
     let next_cycle = candidates
-        .first()
+        .iter()
         .map(|candidate| candidate.separate_by.clone())
-        .filter(|suggestion| !suggestion.is_empty())
+        .find(|suggestion| !suggestion.is_empty())
         .or_else(|| Some(next).filter(|next| !next.is_empty()))
         .map(NextCycle::advice);
+    let not_visible = invisible(scan, &found, &candidates);
     let open = |(group, ln_bf): (usize, f64)| OpenEffect {
         effect: scan.named[group].instance.id(),
         evidence: ln_bf / LN_10,
@@ -109,7 +115,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         together: refits.set.as_ref().map(|refit| context.together(refit, &explained)),
         formula,
         next_cycle,
-        not_visible: invisible(scan, &found),
+        not_visible,
         out_of_reach: scan.out_of_reach.clone(),
     })))
 }
@@ -130,16 +136,14 @@ pub enum Answer {
     },
 }
 
-/// Effects that the model imitates in this cycle. One that was found is part of what imitates it, and was seen.
-fn invisible(scan: &Scan<'_>, found: &Found) -> Vec<String> {
-    let was_found = |group: usize| {
-        found.items.iter().any(|item| matches!(item.what, What::Named(named) if named == group))
-    };
-    let named = scan.named.iter().zip(&found.last.named).enumerate();
-    named
-        .filter(|(group, (_, score))| !score.visible && !was_found(*group))
-        .map(|(_, (named, _))| named.instance.id())
-        .collect()
+/// Effects that the model imitates in this cycle. What was found is no part of the model: what only that imitates is confounded with it,
+/// and shown. So is what a candidate is or is confounded with.
+fn invisible(scan: &Scan<'_>, found: &Found, candidates: &[Candidate]) -> Vec<String> {
+    let is_shown =
+        |id: &String| candidates.iter().any(|one| one.effect == *id || one.confused_with.contains(id));
+    let named = scan.named.iter().zip(&found.before.named);
+    let imitated = named.filter(|(_, score)| !score.visible).map(|(named, _)| named.instance.id());
+    imitated.filter(|id| !is_shown(id)).collect()
 }
 
 struct Context<'a> {
@@ -295,7 +299,8 @@ impl Context<'_> {
         self.found_refits(listed, refits).find_map(|(instance, refit)| {
             let display = self.scan.remainder.coarse_display.as_ref();
             let within_display = || refit.within_step(instance, scene, display?.step_mm);
-            let why = refit.beyond_physical(instance, scene).or_else(within_display)?;
+            let unseen = || refit.unseen(instance);
+            let why = refit.beyond_physical(instance, scene).or_else(within_display).or_else(unseen)?;
             Some((instance.id(), why))
         })
     }
@@ -335,7 +340,9 @@ impl Context<'_> {
 
     fn candidate(&self, group: usize, item: &Item, refit: &Refit, explained: &Explained) -> Candidate {
         let scan = self.scan;
-        let adequate = self.adequate(item) && within_repeats(self.problem.fit(), refit.rms_mm());
+        let explains_all = self.adequate(item) && within_repeats(self.problem.fit(), refit.rms_mm());
+        // As the model with it is judged once it is added.
+        let doubt = if explains_all { units_differ(refit.fit()) } else { None };
         let instance = &scan.named[group].instance;
         let is_found = self.found.items.iter().any(|other| other.what == item.what);
         let confused =
@@ -351,8 +358,8 @@ impl Context<'_> {
             parameters: refit.parameters(),
             separate_by: words::separate_by(instance, &rivals),
             confused_with: rivals.iter().map(|instance| instance.id()).collect(),
-            adequate,
-            remarks: period.iter().map(Wave::words).collect(),
+            adequate: explains_all && doubt.is_none(),
+            remarks: period.iter().map(Wave::words).chain(doubt).collect(),
             period,
         }
     }
@@ -394,7 +401,11 @@ impl Context<'_> {
         let asked = [
             (
                 !within_repeats(self.problem.fit(), refit.rms_mm()),
-                "the residual is larger than repeats of a pose allow",
+                "more is left than visits of one pose differ by",
+            ),
+            (
+                units_differ(refit.fit()).is_some(),
+                "what is left out of the fit is predicted worse than visits of one pose differ by",
             ),
             (!self.found.complete, "more is significant in it, which was not named"),
             (self.found.items.iter().any(Item::is_open), "a part of it has no name in the catalogue"),
@@ -405,7 +416,7 @@ impl Context<'_> {
             (!self.is_constant, "one of these effects changes with time or place by more than chance"),
             (
                 !remainder_is_natural(self.scan, self.found),
-                "what repeats at the stops of the axes is larger than bearings, encoders and gears leave",
+                "at the stops of the axes something comes back that bearings, encoders and gears do not explain",
             ),
         ];
         let reasons: Vec<&str> = asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why).collect();
@@ -418,18 +429,19 @@ impl Context<'_> {
     }
 
     /// What was kept without a name, the strongest first; several components of one site are one proposal.
-    fn formula(&self, refit: Option<&Refit>, explained: &Explained) -> Option<FormulaProposal> {
+    fn formula(
+        &self,
+        refit: Option<&Refit>,
+        explained: &Explained,
+        candidates: &[Candidate],
+    ) -> Option<FormulaProposal> {
         let (item, refit) = (self.strongest(true)?, refit?);
         let What::Open(term) = &item.what else { return None };
         let family = &self.scan.vocabulary.families[term.family];
         let entries = self.entries_of(item).to_vec();
         let first = entries.first()?.clone();
-        let resembles = self.found.first.iter().find_map(|scored| match scored.item.what {
-            What::Named(group) if scored.item.ln_odds > self.options.claim_ln => {
-                Some(self.scan.named[group].instance.id())
-            }
-            _ => None,
-        });
+        let leaves_less = |a: &&Candidate, b: &&Candidate| a.rms_um_after.total_cmp(&b.rms_um_after);
+        let resembles = candidates.iter().min_by(leaves_less).map(|candidate| candidate.effect.clone());
         let components: Vec<&str> = entries.iter().filter_map(|e| e.component.as_deref()).collect();
         let site = first.site.unwrap_or_default();
         let number = |(number, &value): (&Number, &f64)| ShapeNumber {

@@ -63,18 +63,9 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
         );
     }
     let (rms_um, noise_um) = (um_from_mm(fit.rms_mm), um_from_mm(repeatability.sigma_mm));
-    // What was left out is what the user meets next: noise that no pass predicts of another is no all-clear.
-    let surprise = fit.holdout.filter(|held_out| !repeatability.allows(held_out.rms_mm));
-    match (repeatability.allows(fit.rms_mm), surprise) {
+    match (repeatability.allows(fit.rms_mm), units_differ(fit)) {
         (true, None) => return (Verdict::NoiseFloor, String::new(), String::new()),
-        (true, Some(held_out)) => {
-            let (units, of_them) = (held_out.left_out.plural(), um_from_mm(held_out.rms_mm));
-            let why = format!(
-                "The {units} differ: one left out of the fit is predicted to {of_them:.2} µm only, where readings repeat to \
-                 {noise_um:.2} µm. Backlash, a slip of the setup and an offset may be confounded in these data."
-            );
-            return undecided(why, NextCycle::REPEAT_THIS_PASS);
-        }
+        (true, Some(why)) => return undecided(why, NextCycle::REPEAT_THIS_PASS),
         (false, _) => {}
     }
     let sizes = noise_sizes(scan, found.last.null.x());
@@ -97,6 +88,20 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
          pass to pass. No effect explains it."
     );
     undecided(why, "Repeat this pass after the machine has run warm, without a pause.")
+}
+
+/// Why a fit leaves more than noise although its residual is no larger than repeats allow: what was left out is what the user meets next,
+/// and noise that no pass predicts of another is no all-clear.
+pub fn units_differ(fit: &Identification) -> Option<String> {
+    let repeatability = fit.known_repeatability()?;
+    let held_out = fit.holdout.filter(|held_out| !repeatability.allows(held_out.rms_mm))?;
+    Some(format!(
+        "The {} differ: one left out of the fit is predicted to {:.2} µm only, where readings repeat to {:.2} µm. Backlash, a slip of the \
+         setup and an offset may be confounded in these data.",
+        held_out.left_out.plural(),
+        um_from_mm(held_out.rms_mm),
+        um_from_mm(repeatability.sigma_mm)
+    ))
 }
 
 /// True where a residual is no larger than repeats allow, or where no repeat says what they allow.

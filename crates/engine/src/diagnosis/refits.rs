@@ -71,6 +71,10 @@ impl Explained {
 }
 
 impl Refit {
+    pub fn fit(&self) -> &Identification {
+        &self.fit
+    }
+
     pub fn rms_mm(&self) -> f64 {
         self.fit.rms_mm
     }
@@ -111,6 +115,15 @@ impl Refit {
         })
     }
 
+    /// Why a name stands for nothing in this fit: none of its parameters has a value there, as the model imitates all of them.
+    pub fn unseen(&self, instance: &Instance) -> Option<String> {
+        let id = instance.id();
+        let mut own = self.fit.parameters.iter().filter(|p| p.effect == id).peekable();
+        (own.peek().is_some() && own.all(|p| p.value.is_none())).then(|| {
+            format!("{id} fits best, but the model with it determines none of its parameters: the positions of this cycle do not show it.")
+        })
+    }
+
     /// What a parameter of `instance` says of the machine by its sign, which readings with every sign reversed turn round.
     pub fn meaning_of_sign(&self, instance: &Instance, scene: &Scene) -> Option<String> {
         let id = instance.id();
@@ -120,8 +133,8 @@ impl Refit {
             let (value, u) = own.value.zip(own.u)?;
             (value.abs() > SURE * u).then(|| {
                 format!(
-                    "By the sign of {id}, {}. Readings of which every sign is reversed say the opposite, and give every location error the wrong \
-                     sign: if this cannot be, make the sign test before anything is changed.",
+                    "By {id}, {}: if that cannot be, weight was taken to act against gravity, and every location error is the other way round. \
+                     Make the sign test before anything is changed.",
                     if value > 0.0 { positive } else { negative }
                 )
             })

@@ -39,6 +39,22 @@ fn the_pull_of_hoses_is_said_to_be_in_no_catalogue_and_gets_an_expression() {
     let formula = diagnosis.formula.unwrap();
     assert_eq!(formula.site, "axis:B");
     assert!(formula.explains_fraction > 0.9, "{}", formula.explains_fraction);
+    // The named effect closest to it is the one that leaves least.
+    let left_um: Vec<f64> = diagnosis.candidates.iter().map(|candidate| candidate.rms_um_after).collect();
+    assert!(left_um.is_sorted() && left_um.len() > 1, "{left_um:?}");
+    assert_eq!(formula.resembles.as_ref(), Some(&diagnosis.candidates[0].effect));
+}
+
+#[test]
+fn what_is_a_candidate_or_in_what_was_found_is_not_said_to_be_invisible() {
+    for points in ["points-unnamed", "points-gravity", "points-backlash-and-drift"] {
+        let diagnosis = diagnosed(points, &[]);
+        let named = diagnosis.candidates.iter().map(|candidate| &candidate.effect);
+        let confused = diagnosis.candidates.iter().flat_map(|candidate| &candidate.confused_with);
+        for id in named.chain(confused) {
+            assert!(!diagnosis.not_visible.contains(id), "{points}: {id}");
+        }
+    }
 }
 
 #[test]
