@@ -27,15 +27,19 @@ async fn our_driver_reads_three_probes_and_an_encoder_of_python_canopen() {
     let mut readings: BTreeMap<u16, Vec<f64>> = BTreeMap::new();
     let enough =
         |readings: &BTreeMap<u16, Vec<f64>>| readings.len() == 4 && readings.values().all(|v| v.len() >= 300);
-    while !enough(&readings) {
-        let message = tokio::time::timeout(Duration::from_secs(60), acquisition.messages.recv())
-            .await
-            .expect("readings arrive within a minute")
-            .expect("the acquisition runs");
-        if let Reading::Probe(reading) = message.reading {
-            readings.entry(reading.channel).or_default().push(reading.value_mm);
+    let all_read = async {
+        while !enough(&readings) {
+            let message = acquisition.messages.recv().await.expect("the acquisition runs");
+            if let Reading::Probe(reading) = message.reading {
+                readings.entry(reading.channel).or_default().push(reading.value_mm);
+            }
         }
-    }
+    };
+    // Also where the peer has died: the driver goes on to say so, and would be listened to for ever.
+    let in_time = tokio::time::timeout(Duration::from_secs(120), all_read).await.is_ok();
+    let counts: Vec<(u16, usize)> =
+        readings.iter().map(|(channel, values)| (*channel, values.len())).collect();
+    assert!(in_time, "300 readings of each of four channels within two minutes, not {counts:?}");
     acquisition.stop().await;
     drop(peer);
     // canopen_peer.py: amplitudes 0.05, 0.04, 0.03 mm around 0 and 0.02 mm around 100 mm, 0.2 Hz.
