@@ -192,8 +192,9 @@ fn a_gap_ends_every_answer_with_3_and_is_said() {
 #[test]
 fn an_answer_whose_diagnosis_failed_exits_with_3() {
     let folder = tempfile::tempdir().unwrap();
-    // Twelve readings for seven parameters.
-    let run = imported(folder.path(), |_, rows| rows.into_iter().take(4).map(str::to_owned).collect());
+    // Twelve readings for eleven parameters, both axes at several positions.
+    let run =
+        imported(folder.path(), |_, rows| [0, 43, 88, 128].map(|row: usize| rows[row].to_owned()).into());
     for command in ["compare", "report", "replay"] {
         let output = answer(&[command, &run]);
         let text = String::from_utf8(output.stdout).unwrap();
