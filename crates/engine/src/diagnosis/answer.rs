@@ -405,7 +405,7 @@ impl Context<'_> {
             ),
             (
                 units_differ(refit.fit()).is_some(),
-                "what is left out of the fit is predicted worse than visits of one pose differ by",
+                "passes or setups that the fit leaves out are predicted worse than visits of one pose differ by",
             ),
             (!self.found.complete, "more is significant in it, which was not named"),
             (self.found.items.iter().any(Item::is_open), "a part of it has no name in the catalogue"),

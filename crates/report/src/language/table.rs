@@ -94,7 +94,7 @@ pub const ENTRIES: &[[&str; 3]] = &[
     ["Nothing structured remains after them, but other causes are confounded with some of them in these data.", "Danach bleibt nichts Strukturiertes, aber andere Ursachen sind in diesen Daten nicht von einigen davon zu trennen.", "これらの後に構造的な残りはないが、このデータでは一部を他の原因と分離できない。"],
     ["They do not explain everything: a part remains.", "Sie erklären nicht alles: Ein Teil bleibt.", "これらではすべてを説明できず、一部が残る。"],
     ["All that was found together is not adequate: {}. Add these effects to the model, then diagnose again.", "Alles gemeinsam Gefundene reicht nicht aus: {}. Diese Effekte in das Modell aufnehmen, dann erneut diagnostizieren.", "見つかった要因すべてでも不十分：{}。これらの要因をモデルに追加し、再診断する。"],
-    ["what is left out of the fit is predicted worse than visits of one pose differ by", "was nicht in die Anpassung einging, wird schlechter vorhergesagt, als Besuche einer Stellung voneinander abweichen", "当てはめから除いた部分の予測が同一姿勢の測定間の差より悪い"],
+    ["passes or setups that the fit leaves out are predicted worse than visits of one pose differ by", "was nicht in die Anpassung einging, wird schlechter vorhergesagt, als Besuche einer Stellung voneinander abweichen", "当てはめから除いた部分の予測が同一姿勢の測定間の差より悪い"],
     ["more is left than visits of one pose differ by", "die Restabweichung ist größer, als Wiederholungen einer Stellung erlauben", "残差が同一姿勢の繰返しで許される大きさを超える"],
     ["more is significant in it, which was not named", "darin ist mehr signifikant, das nicht benannt wurde", "名前の付かない有意な成分がまだある"],
     ["a part of it has no name in the catalogue", "ein Teil davon hat keinen Namen im Katalog", "一部はカタログに名前がない"],
