@@ -133,8 +133,8 @@ impl Refit {
             let (value, u) = own.value.zip(own.u)?;
             (value.abs() > SURE * u).then(|| {
                 format!(
-                    "By {id}, {}: if that cannot be, weight was taken to act against gravity, and every location error is the other way round. \
-                     Make the sign test before anything is changed.",
+                    "By {id}, {}: if that cannot be, weight was taken to act against gravity, and every location error is the other way round: \
+                     make the sign test then, before anything is changed.",
                     if value > 0.0 { positive } else { negative }
                 )
             })

@@ -147,7 +147,7 @@ fn the_sign_of_a_sag_says_what_reversed_readings_turn_round() {
     assert_eq!((answer.verdict, answer.candidates[0].effect.as_str()), (good.verdict, "gravity-sag:B"));
     let said = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("more lying on its side than upright"), "{said}");
-    assert!(reversed.compare().page().contains("Make the sign test before anything is changed"));
+    assert!(reversed.compare().page().contains("make the sign test then, before anything is changed"));
 }
 
 /// In a random order no pass goes the other way; every pose may have been approached from below.
