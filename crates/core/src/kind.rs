@@ -73,6 +73,8 @@ struct Row {
     name: &'static str,
     /// Names of the components of one reading.
     components: &'static [&'static str],
+    /// What one component is called in sentences.
+    reads: &'static str,
     /// Columns of a points file that hold them.
     columns: &'static [ReadingColumn],
     /// What a setup of it must hold, next to name and place.
@@ -96,29 +98,65 @@ enum Key {
 
 /// Every kind, one row each.
 const ROWS: &[Row] = &[
-    row(InstrumentKind::RTest, "r-test", &["x", "y", "z"], XYZ, &[]),
-    row(InstrumentKind::BallBar, "ball-bar", &["r"], &[ReadingColumn::Deviation("dr_um")], &[Key::BarLength]),
-    row(InstrumentKind::Tracker, "tracker", &["l"], LENGTH, &[]),
-    row(InstrumentKind::LaserTracker, "laser-tracker", &["x", "y", "z"], REFLECTOR, &[]),
-    row(InstrumentKind::LaserBallBar, "laser-ball-bar", &["l"], LENGTH, &[]),
-    row(InstrumentKind::PassiveArm, "passive-arm", &["j1", "j2"], ANGLES, &[Key::Arms]),
-    row(InstrumentKind::Level, "level", &["angle"], TURN, &[Key::Direction]),
-    row(InstrumentKind::Diagonal, "diagonal", &["l"], LENGTH, &[Key::Direction]),
-    row(InstrumentKind::StepDiagonal, "step-diagonal", &["l"], LENGTH, &[Key::Direction]),
-    row(InstrumentKind::BallPlate, "ball-plate", &["x", "y", "z"], XYZ, &[Key::Targets]),
-    row(InstrumentKind::TouchProbe, "touch-probe", &["x", "y", "z"], XYZ, &[]),
-    row(InstrumentKind::TouchProbeFace, "touch-probe-face", &["n"], NORMAL, &[Key::Targets, Key::Normals]),
-    row(InstrumentKind::MachinedSurface, "machined-surface", &["n"], NORMAL, &[Key::Targets, Key::Normals]),
+    row(InstrumentKind::RTest, "r-test", &["x", "y", "z"], "reading", XYZ, &[]),
+    row(
+        InstrumentKind::BallBar,
+        "ball-bar",
+        &["r"],
+        "bar length",
+        &[ReadingColumn::Deviation("dr_um")],
+        &[Key::BarLength],
+    ),
+    row(InstrumentKind::Tracker, "tracker", &["l"], "distance from the station", LENGTH, &[]),
+    row(InstrumentKind::LaserTracker, "laser-tracker", &["x", "y", "z"], "reading", REFLECTOR, &[]),
+    row(InstrumentKind::LaserBallBar, "laser-ball-bar", &["l"], "bar length", LENGTH, &[]),
+    row(
+        InstrumentKind::PassiveArm,
+        "passive-arm",
+        &["j1", "j2"],
+        "joint angle of the arm",
+        ANGLES,
+        &[Key::Arms],
+    ),
+    row(InstrumentKind::Level, "level", &["angle"], "reading of the level", TURN, &[Key::Direction]),
+    row(InstrumentKind::Diagonal, "diagonal", &["l"], "reading along the beam", LENGTH, &[Key::Direction]),
+    row(
+        InstrumentKind::StepDiagonal,
+        "step-diagonal",
+        &["l"],
+        "reading along the beam",
+        LENGTH,
+        &[Key::Direction],
+    ),
+    row(InstrumentKind::BallPlate, "ball-plate", &["x", "y", "z"], "reading", XYZ, &[Key::Targets]),
+    row(InstrumentKind::TouchProbe, "touch-probe", &["x", "y", "z"], "reading", XYZ, &[]),
+    row(
+        InstrumentKind::TouchProbeFace,
+        "touch-probe-face",
+        &["n"],
+        "reading along the normal",
+        NORMAL,
+        &[Key::Targets, Key::Normals],
+    ),
+    row(
+        InstrumentKind::MachinedSurface,
+        "machined-surface",
+        &["n"],
+        "reading along the normal",
+        NORMAL,
+        &[Key::Targets, Key::Normals],
+    ),
 ];
 
 const fn row(
     kind: InstrumentKind,
     name: &'static str,
     components: &'static [&'static str],
+    reads: &'static str,
     columns: &'static [ReadingColumn],
     keys: &'static [Key],
 ) -> Row {
-    Row { kind, name, components, columns, keys }
+    Row { kind, name, components, reads, columns, keys }
 }
 
 impl InstrumentKind {
@@ -149,6 +187,11 @@ impl InstrumentKind {
     /// Names of the components of one reading.
     pub fn components(self) -> &'static [&'static str] {
         self.row().components
+    }
+
+    /// What one component is called in sentences where it is none of three directions: `bar length`, `reading along the beam`, …
+    pub fn reads(self) -> &'static str {
+        self.row().reads
     }
 
     /// Columns of a points file that hold the components, in their order.

@@ -77,26 +77,10 @@ pub struct Dimension {
 /// Components of readings in three directions.
 const COMPONENTS: [&str; 6] = ["X", "Y", "Z", "table X", "table Y", "table Z"];
 
-/// What an instrument that reads no three directions reads.
-fn single(instrument: InstrumentKind) -> &'static str {
-    match instrument {
-        InstrumentKind::BallBar | InstrumentKind::LaserBallBar => "bar length",
-        InstrumentKind::Tracker => "distance from the station",
-        InstrumentKind::Diagonal | InstrumentKind::StepDiagonal => "reading along the beam",
-        InstrumentKind::TouchProbeFace | InstrumentKind::MachinedSurface => "reading along the normal",
-        InstrumentKind::PassiveArm => "joint angle of the arm",
-        InstrumentKind::Level => "reading of the level",
-        InstrumentKind::RTest
-        | InstrumentKind::LaserTracker
-        | InstrumentKind::BallPlate
-        | InstrumentKind::TouchProbe => "reading",
-    }
-}
-
 /// The component of all readings that are not in three directions: of instruments that read different things it is only a reading.
 fn single_of(experiment: &Experiment) -> &'static str {
     let kinds = experiment.setups.iter().map(|setup| setup.instrument);
-    let mut names = kinds.filter(|kind| kind.components().len() != 3).map(single);
+    let mut names = kinds.filter(|kind| kind.components().len() != 3).map(InstrumentKind::reads);
     let first = names.next().unwrap_or("reading");
     if names.all(|name| name == first) { first } else { "reading" }
 }
