@@ -31,6 +31,11 @@ pub struct Point {
 }
 
 impl Point {
+    /// Whether identification may use it.
+    pub fn is_good(&self) -> bool {
+        self.quality == Quality::Good
+    }
+
     /// Standard error of the reading by what its samples say, mm; zero when unknown. What moves all samples of a
     /// point by the same amount (drift, positioning) is not in it.
     pub fn standard_error_mm(&self) -> [f64; 3] {

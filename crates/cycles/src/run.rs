@@ -1,6 +1,6 @@
 //! A run: everything one recording holds that identification needs.
 
-use trunnion_core::{Point, Quality, Setup};
+use trunnion_core::{Point, Setup};
 use trunnion_machine::Machine;
 
 /// How the points came about.
@@ -32,7 +32,7 @@ pub struct Run {
 impl Run {
     /// The points that identification may use.
     pub fn good_points(&self) -> impl Iterator<Item = &Point> {
-        self.points.iter().filter(|point| point.quality == Quality::Good)
+        self.points.iter().filter(|point| point.is_good())
     }
 
     /// True when every point has a time.

@@ -32,7 +32,7 @@ use outliers::Hampel;
 use pass::{PassKey, PassSums};
 use std::collections::HashMap;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::{AxisValues, Point, Quality, Slot, State};
+use trunnion_core::{AxisValues, Point, Slot, State};
 
 pub use pass::{Band, PassSummary};
 
@@ -126,7 +126,7 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
     pub fn push(&mut self, index: u64, point: Point) {
         let count = u64::from(point.samples.max(1));
         self.samples += count;
-        if point.quality != Quality::Good || point.reading_mm.iter().any(|mm| !mm.is_finite()) {
+        if !point.is_good() || point.reading_mm.iter().any(|mm| !mm.is_finite()) {
             self.missing += count;
             return;
         }

@@ -7,7 +7,6 @@
 //! Limits: a channel that is stuck in two stretches of like length passes; one that is stuck at a resting machine is not looked at.
 
 use super::found::{Implausible, plain};
-use super::looked::is_good;
 use super::readings::FEWEST_POINTS;
 use super::shown::{SAME_MM, Shown, would_move};
 use trunnion_core::Point;
@@ -64,7 +63,7 @@ struct Stretch {
 
 impl<'a> Channels<'a> {
     fn of(run: &'a Run, setup: usize) -> Self {
-        let own = |(_, point): &(usize, &Point)| point.state.setup == setup && is_good(point);
+        let own = |(_, point): &(usize, &Point)| point.state.setup == setup && point.is_good();
         let (rows, points) =
             run.points.iter().enumerate().filter(own).map(|(row, point)| (row + 1, point)).unzip();
         Self { run, setup, points, rows }

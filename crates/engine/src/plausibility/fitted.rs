@@ -1,6 +1,7 @@
 //! What the base model, with every location error and setting free, leaves of readings.
 
 use crate::Experiment;
+use crate::evidence::joined;
 use crate::solve::linear::Reduced;
 use nalgebra::{DMatrix, DVector};
 use trunnion_effects::{Instance, Model};
@@ -18,10 +19,7 @@ pub(super) fn columns(experiment: &Experiment) -> Option<DMatrix<f64>> {
     let mut columns = DMatrix::zeros(experiment.rows(), 0);
     for entry in &model.effects {
         let instance = Instance::from_model_effect(entry, machine).ok()?;
-        let own = experiment.columns(&instance, &[]);
-        let at = columns.ncols();
-        columns = columns.insert_columns(at, own.ncols(), 0.0);
-        columns.columns_mut(at, own.ncols()).copy_from(&own);
+        columns = joined(&columns, &experiment.columns(&instance, &[]));
     }
     Some(columns)
 }

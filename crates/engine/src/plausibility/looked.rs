@@ -1,6 +1,6 @@
 //! A run as the rules of readings and positions look at it: some of its points, without those that no fit keeps.
 //!
-//! A single wrong reading is left out of every fit and told there; here it would speak for a mistake in all of them, such as readings
+//! A single wrong reading is left out of every fit and listed there; here it would speak for a mistake in all of them, such as readings
 //! that are one row late where it is the first.
 
 use super::fitted::{Fitted, columns};
@@ -57,10 +57,6 @@ pub(super) fn thinned(run: &Run) -> Vec<&Point> {
     let every = good.len().div_ceil(MOST_POINTS).max(1);
     let chosen = good.into_iter().enumerate().filter(|(k, _)| (k / STRETCH).is_multiple_of(every));
     chosen.map(|(_, point)| point).collect()
-}
-
-pub(super) fn is_good(point: &Point) -> bool {
-    point.quality == trunnion_core::Quality::Good
 }
 
 /// The run with some of its points. Field by field: a clone of the run would copy a million points to throw them away.

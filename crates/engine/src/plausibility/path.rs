@@ -7,7 +7,7 @@
 use super::claim::off_mm;
 use super::fitted::rms;
 use super::found::Implausible;
-use super::looked::{Looked, is_good};
+use super::looked::Looked;
 use crate::noise::learned::display::nominal_readings_mm;
 use nalgebra::{DVector, Vector3};
 use trunnion_core::convert::um_from_mm;
@@ -105,7 +105,7 @@ struct Apart {
 }
 
 fn apart_mm(run: &Run) -> Vec<Apart> {
-    let good = (1..).zip(&run.points).filter(|(_, point)| is_good(point));
+    let good = (1..).zip(&run.points).filter(|(_, point)| point.is_good());
     let apart = |(row, Point { state, .. }): (usize, &Point)| Apart {
         row,
         setup: state.setup,

@@ -5,7 +5,7 @@
 //! all readings say together.
 
 use super::fitted::Fitted;
-use super::looked::{MOST_POINTS, is_good, with_points};
+use super::looked::{MOST_POINTS, with_points};
 use crate::Experiment;
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 use trunnion_core::{Point, Setup};
@@ -76,7 +76,8 @@ struct Left {
 impl Left {
     /// `is_asked`: of a row of the run, counted from 1, and a channel. `None` where the setup shows one value only, or without a model.
     fn of(run: &Run, setup: usize, is_asked: impl Fn(usize, usize) -> bool) -> Option<Self> {
-        let good: Vec<(usize, &Point)> = (1..).zip(&run.points).filter(|(_, point)| is_good(point)).collect();
+        let good: Vec<(usize, &Point)> =
+            (1..).zip(&run.points).filter(|(_, point)| point.is_good()).collect();
         let every = good.len().div_ceil(MOST_POINTS).max(1);
         let (rows, points): (Vec<usize>, Vec<&Point>) = good.into_iter().step_by(every).unzip();
         let own = points.iter().copied().filter(|point| point.state.setup == setup);

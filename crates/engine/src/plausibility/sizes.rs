@@ -5,7 +5,7 @@ use super::positions::FAR_MM;
 use super::readings::FEWEST_POINTS;
 use crate::Experiment;
 use crate::noise::repeatability::{of_channels_mm, repeatability};
-use crate::problem::passes::passes;
+use crate::problem::passes::{Passes, passes};
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::{Run, RunKind};
 
@@ -28,7 +28,10 @@ const AIR: [&str; 3] = ["ambient", "air", "room"];
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let of_readings = |run: &Run| {
-        too_small(run).or_else(|| too_large(run)).or_else(|| unrepeatable(run)).or_else(|| loose(run))
+        let repeats = || {
+            Repeats::of(run).and_then(|repeats| unrepeatable(run, &repeats).or_else(|| loose(run, &repeats)))
+        };
+        too_small(run).or_else(|| too_large(run)).or_else(repeats)
     };
     let enough = runs.iter().filter(|run| run.good_points().count() >= FEWEST_POINTS);
     enough.flat_map(|run| of_readings(run).into_iter().chain(too_hot(run))).collect()
@@ -86,13 +89,24 @@ fn too_small(run: &Run) -> Option<Implausible> {
     })
 }
 
-/// Readings of a pose that comes again, closer or farther apart than any axis comes back.
-fn unrepeatable(run: &Run) -> Option<Implausible> {
-    if run.kind != RunKind::Static || !has_probes(run) {
-        return None;
+/// Probes read at rest, with the passes in which poses come again.
+struct Repeats {
+    experiment: Experiment,
+    passes: Passes,
+}
+
+impl Repeats {
+    fn of(run: &Run) -> Option<Self> {
+        let is_asked = run.kind == RunKind::Static && has_probes(run);
+        let experiment = is_asked.then(|| Experiment::of_points(&[run]).ok()).flatten()?;
+        let passes = passes(&experiment);
+        Some(Self { experiment, passes })
     }
-    let experiment = Experiment::of_points(&[run]).ok()?;
-    let sigma_um = um_from_mm(repeatability(&experiment, &passes(&experiment))?.sigma_mm);
+}
+
+/// Readings of a pose that comes again, closer or farther apart than any axis comes back.
+fn unrepeatable(run: &Run, repeats: &Repeats) -> Option<Implausible> {
+    let sigma_um = um_from_mm(repeatability(&repeats.experiment, &repeats.passes)?.sigma_mm);
     if sigma_um < TOO_FINE_UM {
         return Some(plain(
             format!(
@@ -115,13 +129,9 @@ fn unrepeatable(run: &Run) -> Option<Implausible> {
 }
 
 /// One probe that repeats far worse than the others of its nest.
-fn loose(run: &Run) -> Option<Implausible> {
+fn loose(run: &Run, repeats: &Repeats) -> Option<Implausible> {
     let names = run.setups.first()?.instrument.components();
-    if run.kind != RunKind::Static || !has_probes(run) {
-        return None;
-    }
-    let experiment = Experiment::of_points(&[run]).ok()?;
-    let all_um: Vec<f64> = of_channels_mm(&experiment, &passes(&experiment))
+    let all_um: Vec<f64> = of_channels_mm(&repeats.experiment, &repeats.passes)
         .into_iter()
         .collect::<Option<Vec<f64>>>()?
         .into_iter()

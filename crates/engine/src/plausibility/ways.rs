@@ -8,6 +8,7 @@ use super::fitted::{Fitted, columns};
 use super::found::{Implausible, plain};
 use super::looked::{thinned, with_points};
 use crate::Experiment;
+use crate::evidence::joined;
 use crate::problem::steps::one_direction;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::signed;
@@ -61,9 +62,7 @@ fn left_mm(run: &Run, joint: Joint) -> Option<[f64; 2]> {
     let entry = ModelEffect { id: format!("backlash:{joint}"), ..ModelEffect::default() };
     let play = Instance::from_model_effect(&entry, experiment.machine()).ok()?;
     let base = columns(&experiment)?;
-    let own = experiment.columns(&play, &[]);
-    let mut both = base.clone().resize_horizontally(base.ncols() + own.ncols(), 0.0);
-    both.columns_mut(base.ncols(), own.ncols()).copy_from(&own);
+    let both = joined(&base, &experiment.columns(&play, &[]));
     let readings_mm = experiment.readings_mm();
     Some([base, both].map(|columns| Fitted::on(&columns, |_| true).rms_mm(&readings_mm)))
 }

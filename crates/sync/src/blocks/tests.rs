@@ -1,5 +1,6 @@
 use super::*;
 use std::f64::consts::TAU;
+use trunnion_core::Quality;
 use trunnion_core::axis::iso::{C, X, Y};
 
 /// Both ways round C at `step_rad`, X and Y following on radius 100 mm; readings `kinematic(state) + error(state, i)`.

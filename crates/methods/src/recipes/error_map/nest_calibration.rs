@@ -9,7 +9,7 @@
 
 use crate::findings::{Cell, Column, FoundTable};
 use nalgebra::Vector3;
-use trunnion_core::{InstrumentKind, Joint, Point, Quality, Slot};
+use trunnion_core::{InstrumentKind, Joint, Point, Slot};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_instruments::predict;
@@ -106,7 +106,7 @@ pub(super) fn commanded_mm(run: &Run, point: &Point) -> Vector3<f64> {
 
 /// Commanded and read places at the pose of the first step of a setup; `None` without steps.
 fn steps(run: &Run, setup: usize) -> Option<Vec<NestStep>> {
-    let of_setup = |p: &&Point| p.state.setup == setup && p.quality == Quality::Good;
+    let of_setup = |p: &&Point| p.state.setup == setup && p.is_good();
     let first = run.points.iter().filter(of_setup).find(|point| is_step(run, point))?;
     let same_pose = |p: &&Point| {
         let turned = |letter: Slot| (p.state.position[letter] - first.state.position[letter]).abs();
