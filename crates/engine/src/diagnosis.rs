@@ -12,6 +12,7 @@ mod expressions;
 mod families;
 pub mod judged;
 mod judgement;
+mod kept;
 mod model_comparison;
 mod named;
 pub mod options;

@@ -1,15 +1,15 @@
 //! From scans to the answer: candidates in order, what each would do, what it could be mistaken for, the verdict.
 
 use crate::diagnosis::constancy::is_constant;
-use crate::diagnosis::entries::entries;
 use crate::diagnosis::families::Number;
 use crate::diagnosis::judged::{OpenEffect, Verdict};
 use crate::diagnosis::judgement::{
     noise_sizes, nothing_claimed, noticeable_um, open_effects, remainder_is_natural, units_differ,
     within_repeats,
 };
+use crate::diagnosis::kept::Kept;
 use crate::diagnosis::options::{DiagnoseError, Options};
-use crate::diagnosis::refits::{Explained, Refit, Unfitted, refits};
+use crate::diagnosis::refits::{Explained, Refit, Unfitted};
 use crate::diagnosis::rivals::{CONFUSED_LN, confused_with};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::{Found, search};
@@ -23,7 +23,7 @@ use crate::spectrum::Wave;
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
 use trunnion_core::convert::um_from_mm;
-use trunnion_effects::{Formula, Instance, ModelEffect};
+use trunnion_effects::Formula;
 
 /// A named effect that explains at least this share leads, although a part remains.
 const MOSTLY: f64 = 0.8;
@@ -37,25 +37,25 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let all_found_mm = scan.left(&columns_of(found.items.iter(), scan.remainder.y.len()));
     let alone_mm = scan.left(&DMatrix::zeros(scan.remainder.y.len(), 0));
     let is_constant = is_constant(scan, &found, options.claim_ln);
-    let entries = entries(scan, &problem.model().effects, &found.items);
+    let kept = Kept::new(problem, scan, &found);
     let context = Context {
         problem,
         scan,
         options,
         found: &found,
-        entries,
+        kept: &kept,
         floor_mm: all_found_mm,
         alone_mm,
         is_constant,
     };
 
     let listed = context.listed();
-    let refits = context.refits(&listed);
+    let refits = kept.refits(&listed);
     let explained = refits.explained(problem);
-    if let Some((effect, why)) = context.not_the_cause(&listed, &refits.candidates) {
-        return Ok(Answer::Without { with: context.found_with(&effect), effect, why });
+    if let Some((effect, why)) = kept.not_the_cause(&listed, &refits.candidates) {
+        return Ok(Answer::Without { with: kept.found_with(&effect), effect, why });
     }
-    if let Some(effect) = context.predicts_nothing(&listed, &refits) {
+    if let Some(effect) = kept.predicts_nothing(&listed, &refits) {
         return Ok(Answer::NotAdded { effect });
     }
     let mut candidates = context.candidates(&listed, &refits.candidates, &explained);
@@ -78,7 +78,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let unfitted = refits.unfitted.iter().map(Unfitted::words);
     let remains = refits.set.as_ref().filter(|_| verdict == Verdict::MissingEffect);
     let remains = remains.and_then(|refit| context.what_remains(refit));
-    let of_sign = context.meaning_of_sign(&listed, &refits.candidates);
+    let of_sign = kept.meaning_of_sign(&listed, &refits.candidates);
     for sentence in unfitted.chain(of_sign).chain(remains) {
         why = format!("{why} {sentence}").trim_start().into();
     }
@@ -111,7 +111,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         noticeable_um: noticeable_um(scan, &found, options.claim_ln),
         undecided: open_effects(scan, &found).map(open).collect(),
         candidates,
-        set: context.set(),
+        set: kept.set(),
         together: refits.set.as_ref().map(|refit| context.together(refit, &explained)),
         formula,
         next_cycle,
@@ -151,34 +151,12 @@ struct Context<'a> {
     scan: &'a Scan<'a>,
     options: &'a Options,
     found: &'a Found,
-    /// Model entries of each item found.
-    entries: Vec<Vec<ModelEffect>>,
+    kept: &'a Kept<'a>,
     /// What the scan leaves with all that was found, and with nothing, mm rms.
     floor_mm: f64,
     alone_mm: f64,
     /// Whether nothing that was found changes with time or place.
     is_constant: bool,
-}
-
-/// The fits with what is listed.
-struct Refits {
-    /// In the order of the list.
-    candidates: Vec<Option<Refit>>,
-    formula: Option<Refit>,
-    /// With everything that was found together.
-    set: Option<Refit>,
-    /// With everything but one of the names, where that is more than one thing.
-    but: Vec<(usize, Refit)>,
-    /// Those that failed.
-    unfitted: Vec<Unfitted>,
-}
-
-impl Refits {
-    fn explained(&self, problem: &Problem<'_>) -> Explained {
-        let before_mm = problem.fit().rms_mm;
-        let all = self.candidates.iter().flatten().chain(&self.formula).chain(&self.set);
-        Explained { before_mm, least_mm: all.map(Refit::rms_mm).fold(before_mm, f64::min) }
-    }
 }
 
 impl Context<'_> {
@@ -208,66 +186,6 @@ impl Context<'_> {
         kept.into_iter().chain(rest).take(most).collect()
     }
 
-    /// Fits the model with each of the listed, with the formula, and with all that was found.
-    fn refits(&self, listed: &[(usize, Item)]) -> Refits {
-        let alone = |(group, _): &(usize, Item)| {
-            let id = self.scan.named[*group].instance.id();
-            vec![ModelEffect { id, ..ModelEffect::default() }]
-        };
-        let mut additions: Vec<_> = listed.iter().map(alone).collect();
-        let formula = self.strongest(true).map(|item| self.entries_of(item).to_vec());
-        let set = (self.found.items.len() > 1).then(|| self.set_as_added(None));
-        let (with_formula, with_set) = (formula.is_some(), set.is_some());
-        additions.extend(formula);
-        additions.extend(set);
-        // Of two things each is fitted alone anyhow.
-        let names: Vec<usize> = if self.found.items.len() > 2 { self.names().collect() } else { Vec::new() };
-        additions.extend(names.iter().map(|group| self.set_as_added(Some(*group))));
-        let mut fits = refits(self.problem, additions);
-        let of_names = fits.split_off(fits.len() - names.len());
-        let but =
-            names.into_iter().zip(of_names).filter_map(|(group, refit)| Some((group, refit.ok()?))).collect();
-        let mut unfitted = Vec::new();
-        let fitted = |refit: Result<Refit, Unfitted>| refit.map_err(|failed| unfitted.push(failed)).ok();
-        let mut candidates: Vec<_> = fits.into_iter().map(fitted).collect();
-        let set = if with_set { candidates.pop().flatten() } else { None };
-        let formula = if with_formula { candidates.pop().flatten() } else { None };
-        Refits { candidates, formula, set, but, unfitted }
-    }
-
-    /// The last of the names with which the model, as a person adds it, is no better than with the others that were found: the veto of
-    /// what was not seen (docs/design/statistics.md §5). Better is smaller in the fit, and on what is left out of it where anything can be.
-    fn predicts_nothing(&self, listed: &[(usize, Item)], refits: &Refits) -> Option<String> {
-        let with = refits.set.as_ref()?;
-        let alone = |other: &Item| match other.what {
-            What::Open(_) => refits.formula.as_ref(),
-            What::Named(other) => {
-                let at = listed.iter().position(|(group, _)| *group == other)?;
-                refits.candidates[at].as_ref()
-            }
-        };
-        let without = |name: usize| match &self.found.items[..] {
-            [one, other] => alone(if one.what == What::Named(name) { other } else { one }),
-            _ => refits.but.iter().find(|(group, _)| *group == name).map(|(_, refit)| refit),
-        };
-        let is_better = |without: &Refit| {
-            let held_out = with.holdout_rms_um().zip(without.holdout_rms_um());
-            with.rms_mm() < without.rms_mm() && held_out.is_none_or(|(with, without)| with < without)
-        };
-        let is_name = |group: &usize| self.names().any(|name| name == *group);
-        let in_vain = |group: &usize| without(*group).is_some_and(|without| !is_better(without));
-        let mut names = listed.iter().rev().map(|(group, _)| *group).filter(is_name);
-        names.find(in_vain).map(|group| self.scan.named[group].instance.id())
-    }
-
-    /// Named effects that were found.
-    fn names(&self) -> impl Iterator<Item = usize> {
-        self.found.items.iter().filter_map(|item| match item.what {
-            What::Named(group) => Some(group),
-            What::Open(_) => None,
-        })
-    }
-
     /// One for each of the listed that can be added.
     fn candidates(
         &self,
@@ -280,62 +198,6 @@ impl Context<'_> {
             Some(self.candidate(*group, item, refit.as_ref()?, explained))
         })
         .collect()
-    }
-
-    /// What was found, each with its own fit.
-    fn found_refits<'r>(
-        &'r self,
-        listed: &'r [(usize, Item)],
-        refits: &'r [Option<Refit>],
-    ) -> impl Iterator<Item = (&'r Instance, &'r Refit)> {
-        let is_found = |item: &Item| self.found.items.iter().any(|other| other.what == item.what);
-        let found = listed.iter().zip(refits).filter(move |((_, item), _)| is_found(item));
-        found.filter_map(|((group, _), refit)| Some((&self.scan.named[*group].instance, refit.as_ref()?)))
-    }
-
-    /// The first that was found and cannot be the cause, and why.
-    fn not_the_cause(&self, listed: &[(usize, Item)], refits: &[Option<Refit>]) -> Option<(String, String)> {
-        let scene = &self.problem.experiment().scene;
-        self.found_refits(listed, refits).find_map(|(instance, refit)| {
-            let display = self.scan.remainder.coarse_display.as_ref();
-            let within_display = || refit.within_step(instance, scene, display?.step_mm);
-            let unseen = || refit.unseen(instance);
-            let why = refit.beyond_physical(instance, scene).or_else(within_display).or_else(unseen)?;
-            Some((instance.id(), why))
-        })
-    }
-
-    /// What the signs of what was found say of the machine.
-    fn meaning_of_sign(&self, listed: &[(usize, Item)], refits: &[Option<Refit>]) -> Option<String> {
-        let scene = &self.problem.experiment().scene;
-        self.found_refits(listed, refits).find_map(|(instance, refit)| refit.meaning_of_sign(instance, scene))
-    }
-
-    /// Ids of what was found with an effect in the model.
-    fn found_with(&self, effect: &str) -> Vec<String> {
-        self.set().into_iter().map(|entry| entry.id).filter(|id| id != effect).collect()
-    }
-
-    /// Model entries of what the search kept.
-    fn set(&self) -> Vec<ModelEffect> {
-        self.entries.concat()
-    }
-
-    /// The same as a person adds them, but for one: shape numbers of the catalogue's effects are for the fit to find, as of a candidate alone.
-    fn set_as_added(&self, but: Option<usize>) -> Vec<ModelEffect> {
-        let as_added = |entry: &ModelEffect| match Formula::name_of(&entry.id) {
-            Some(_) => entry.clone(),
-            None => ModelEffect { id: entry.id.clone(), ..ModelEffect::default() },
-        };
-        let is_in = |item: &Item| but.is_none_or(|group| item.what != What::Named(group));
-        let kept = self.found.items.iter().zip(&self.entries).filter(|(item, _)| is_in(item));
-        kept.flat_map(|(_, entries)| entries).map(as_added).collect()
-    }
-
-    /// Those of one of the items found.
-    fn entries_of(&self, item: &Item) -> &[ModelEffect] {
-        let at = self.found.items.iter().position(|other| std::ptr::eq(other, item));
-        at.map_or(&[], |at| &self.entries[at])
     }
 
     fn candidate(&self, group: usize, item: &Item, refit: &Refit, explained: &Explained) -> Candidate {
@@ -379,10 +241,21 @@ impl Context<'_> {
 
     /// Nothing structured remains with all that was found, and all of it has names.
     fn is_all(&self) -> bool {
-        self.found.complete
-            && self.is_constant
-            && remainder_is_natural(self.scan, self.found)
-            && !self.found.items.iter().any(Item::is_open)
+        self.is_more().is_empty()
+    }
+
+    /// Why there is more than all that was found and has a name.
+    fn is_more(&self) -> Vec<&'static str> {
+        let asked = [
+            (!self.found.complete, "more is significant in it, which was not named"),
+            (self.found.items.iter().any(Item::is_open), "a part of it has no name in the catalogue"),
+            (!self.is_constant, "one of these effects changes with time or place by more than chance"),
+            (
+                !remainder_is_natural(self.scan, self.found),
+                "at the stops of the axes something comes back that bearings, encoders and gears do not explain",
+            ),
+        ];
+        asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why).collect()
     }
 
     /// What everything found does in one model. Further shapes are no part of it: the model has an effect once.
@@ -407,19 +280,13 @@ impl Context<'_> {
                 units_differ(refit.fit()).is_some(),
                 "passes or setups that the fit leaves out are predicted worse than visits of one pose differ by",
             ),
-            (!self.found.complete, "more is significant in it, which was not named"),
-            (self.found.items.iter().any(Item::is_open), "a part of it has no name in the catalogue"),
             (
                 self.found.further.ncols() > 0,
                 "one of these effects is needed with a second shape, and a model holds one",
             ),
-            (!self.is_constant, "one of these effects changes with time or place by more than chance"),
-            (
-                !remainder_is_natural(self.scan, self.found),
-                "at the stops of the axes something comes back that bearings, encoders and gears do not explain",
-            ),
         ];
-        let reasons: Vec<&str> = asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why).collect();
+        let of_fit = asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why);
+        let reasons: Vec<&str> = of_fit.chain(self.is_more()).collect();
         (!reasons.is_empty()).then(|| {
             format!(
                 "All that was found together is not adequate: {}. Add these effects to the model, then diagnose again.",
@@ -435,10 +302,10 @@ impl Context<'_> {
         explained: &Explained,
         candidates: &[Candidate],
     ) -> Option<FormulaProposal> {
-        let (item, refit) = (self.strongest(true)?, refit?);
+        let (item, refit) = (self.kept.strongest(true)?, refit?);
         let What::Open(term) = &item.what else { return None };
         let family = &self.scan.vocabulary.families[term.family];
-        let entries = self.entries_of(item).to_vec();
+        let entries = self.kept.entries_of(item).to_vec();
         let first = entries.first()?.clone();
         let leaves_less = |a: &&Candidate, b: &&Candidate| a.rms_um_after.total_cmp(&b.rms_um_after);
         let resembles = candidates.iter().min_by(leaves_less).map(|candidate| candidate.effect.clone());
@@ -469,16 +336,11 @@ impl Context<'_> {
 
     /// True when what has no name explains more than what has one.
     fn formula_leads(&self, listed: &[(usize, Item)]) -> bool {
-        let Some(open) = self.strongest(true) else { return false };
-        let named = self.strongest(false).map_or(f64::NEG_INFINITY, |item| item.ln_odds);
+        let Some(open) = self.kept.strongest(true) else { return false };
+        let named = self.kept.strongest(false).map_or(f64::NEG_INFINITY, |item| item.ln_odds);
         // A named effect next to a term that had to be kept is only believed when it explains most on its own.
         let scanned = Explained { before_mm: self.alone_mm, least_mm: self.floor_mm };
         let explains = listed.first().map_or(0.0, |(_, item)| scanned.by(self.scan.left(&item.columns)));
         open.ln_odds > named || explains < MOSTLY
-    }
-
-    fn strongest(&self, open: bool) -> Option<&Item> {
-        let of_sort = self.found.items.iter().filter(|item| item.is_open() == open);
-        of_sort.max_by(|a, b| a.ln_odds.total_cmp(&b.ln_odds))
     }
 }
