@@ -207,7 +207,7 @@ pub enum SignVerdict {
 
 impl SignVerdict {
     /// From the share of the correction that acts: right (1), not active (0) or wrong (−1), where it is within a quarter of it, half way to
-    /// where it would no longer be told from the next, or within twice its standard uncertainty. Where that reaches over half way between
+    /// where it might as well be the next, or within twice its standard uncertainty. Where that reaches over half way between
     /// two, nothing is said.
     pub fn of(share: f64, u: f64) -> Self {
         const HALF_WAY: f64 = 0.5;
