@@ -98,6 +98,7 @@ fn predict(
         let experiment = trunnion_engine::Experiment::new(std::slice::from_ref(run))?;
         runs.push(predict_run(model, values, &experiment, run)?);
     }
+    let taken: Vec<results::Taken> = values.parameters.iter().filter(|p| p.u.is_none()).map(taken).collect();
     Ok(results::Prediction {
         format: results::PredictionFormat::V1,
         machine,
@@ -107,8 +108,8 @@ fn predict(
         reading_um: values.reading_um,
         differences_known: values.parameters.iter().any(|parameter| parameter.between_runs.is_some()),
         runs,
-        not_determined: values.parameters.iter().filter(|p| p.u.is_none()).map(|p| p.name.clone()).collect(),
-        taken: values.parameters.iter().filter(|p| p.u.is_none()).map(taken).collect(),
+        not_determined: taken.iter().map(|one| one.name.clone()).collect(),
+        taken,
     })
 }
 
