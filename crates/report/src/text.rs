@@ -23,13 +23,15 @@ pub use prediction::prediction_text;
 pub use timing::timing_text;
 pub use volumetric::{location_text, volumetric_text};
 
+use crate::certainty::measure_next;
 use crate::number::{percent, um, um_or_dash, value_and_u};
+use crate::to_do::to_do;
 use crate::views::cuts;
 use crate::words::{
     EXPLAINS, NO_PLACE, TOGETHER, beyond_catalogue, candidate_figures, effect_name, evidence_words,
     explanation, formula_leads, formula_shape, formula_site, headline, left_out, names, no_place,
-    noise_origin, noticeable, planned_words, repeatability, sizes, sizes_from, together_figures,
-    trial_verdict, verdict, wave,
+    noise_origin, noticeable, repeatability, sizes, sizes_from, together_figures, trial_verdict, verdict,
+    wave,
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
@@ -133,10 +135,21 @@ fn set_apart(sentences: &[String]) -> String {
     sentences.iter().map(|sentence| format!("\n{}", paragraph(sentence))).collect()
 }
 
-/// What is wrong, where the model fails most, and the residual by component, axis position, direction, setup and time.
+/// The steps in their order, as the page lists them.
+fn what_to_do(input: &Comparison) -> String {
+    let steps = to_do(input)
+        .iter()
+        .zip(1..)
+        .map(|(step, at)| paragraph(&format!("{at}. {step}")))
+        .collect::<String>();
+    format!("\nWhat to do\n{steps}")
+}
+
+/// What is wrong, what to do, where the model fails most, and the residual by component, axis position, direction, setup and time.
 pub fn compare_text(input: &Comparison) -> String {
     let mut out = format!("{}\n", clean(&headline(input)));
     out += &paragraph(&verdict(input).join(" "));
+    out += &what_to_do(input);
     out += "\nWhere the model fails most\n";
     out += &places(&input.places, no_place(input));
     let waves = input.spectra.iter().flat_map(|axis| axis.waves.iter().map(|one| wave(&axis.axis, one)));
@@ -205,12 +218,11 @@ pub fn trial_text(trial: &Trial) -> String {
     out
 }
 
-/// Verdict, candidates, formula and what to measure next. `doubts`: why the runs cannot be judged, if they cannot.
-pub fn diagnosis_text(diagnosis: &Diagnosis, doubts: &[Plausibility]) -> String {
-    let identification = Identification { plausibility: doubts.to_vec(), ..Identification::default() };
-    let input = Comparison { diagnosis: Some(diagnosis.clone()), identification, ..Comparison::default() };
+/// Verdict, what to do, candidates and formula of a comparison that holds a diagnosis; empty without one.
+pub fn diagnosis_text(input: &Comparison) -> String {
+    let Some(diagnosis) = &input.diagnosis else { return String::new() };
     let residual = &diagnosis.residual;
-    let mut out = format!("{}\n", clean(&headline(&input)));
+    let mut out = format!("{}\n", clean(&headline(input)));
     let explained = diagnosis.explained().map_or(String::new(), |fraction| {
         format!("; what was found explains {} of the mean square", percent(fraction))
     });
@@ -222,6 +234,7 @@ pub fn diagnosis_text(diagnosis: &Diagnosis, doubts: &[Plausibility]) -> String 
     );
     out += &paragraph(&diagnosis.why);
     out += &noticeable(diagnosis).map_or(String::new(), |sentence| paragraph(&sentence));
+    out += &what_to_do(input);
     if !diagnosis.candidates.is_empty() {
         out += "\n";
         let head = ["candidate", "evidence", "error after", "held-out", "explains", "adequate"];
@@ -255,13 +268,6 @@ pub fn diagnosis_text(diagnosis: &Diagnosis, doubts: &[Plausibility]) -> String 
         (true, true) => formula,
         (false, _) => best + &formula,
     };
-    let said = diagnosis.candidates.first().map_or("", |best| best.separate_by.as_str());
-    if let Some(next) = diagnosis.next_cycle.as_ref().filter(|next| next.suggestion != said) {
-        out += &format!("\n{}", paragraph(&format!("Measure next: {}", next.suggestion)));
-        if let Some(cycle) = &next.cycle {
-            out += &paragraph(&planned_words(cycle));
-        }
-    }
     for (words, ids) in
         [("This cycle cannot show", &diagnosis.not_visible), ("Out of reach", &diagnosis.out_of_reach)]
     {
@@ -309,11 +315,9 @@ fn candidate(diagnosis: &Diagnosis, best: &Candidate) -> String {
         out += &format!("  {} = {value}, u = {u}\n", clean(&p.name));
     }
     if !best.confused_with.is_empty() {
-        out += &paragraph(&format!(
-            "Confounded with {}. To separate them: {}",
-            best.confused_with.join(", "),
-            best.separate_by
-        ));
+        let separate = Some(&best.separate_by).filter(|said| *said != measure_next(diagnosis));
+        let separate = separate.map_or(String::new(), |said| format!(" To separate them: {said}"));
+        out += &paragraph(&format!("Confounded with {}.{separate}", best.confused_with.join(", ")));
     }
     out
 }

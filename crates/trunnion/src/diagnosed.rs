@@ -84,7 +84,13 @@ impl Diagnosed {
 
     /// The answer as text.
     pub fn summary(&self) -> String {
-        trunnion_report::diagnosis_text(&self.results(), &self.fit.experiment().plausibility())
+        let diagnosis = self.results();
+        trunnion_report::diagnosis_text(&results::Comparison {
+            identification: self.fit.results().judged(diagnosis.model_adequate()),
+            correctable: self.fit.correctable().ok(),
+            diagnosis: Some(diagnosis),
+            ..results::Comparison::default()
+        })
     }
 
     /// The effect or formula that leads, if the verdict names one.

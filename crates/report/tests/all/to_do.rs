@@ -1,7 +1,7 @@
 //! What to do after a run is what its data allow, for every verdict.
 
 use crate::filed::report;
-use trunnion_report::{Language, diagnosis_text, report_html, story};
+use trunnion_report::{Language, compare_text, diagnosis_text, report_html, story};
 use trunnion_results::{
     Candidate, Comparison, ConfoundedErrors, Correctable, Diagnosis, FormulaProposal, LeftOutEffect,
     Parameter, Plausibility, Question, Together, Verdict,
@@ -85,7 +85,7 @@ fn effects_found_together_are_named_together_with_what_they_leave_and_their_comm
     assert_eq!(found, [true, true, false]);
     let uncertainties: Vec<&str> = said.candidates.iter().map(|one| one.sizes[0][2].as_str()).collect();
     assert_eq!(uncertainties, ["0.10 µm", "0.10 µm", "0.50 µm"], "sizes as fitted together");
-    let text = diagnosis_text(&diagnosis, &[]);
+    let text = diagnosis_text(&input);
     assert!(text.contains("Its size, as fitted with all that was found together:"), "{text}");
     let row = text.lines().find(|line| line.starts_with("all found together")).unwrap();
     assert!(row.contains("0.31 µm") && row.contains("0.33 µm") && row.ends_with("yes"), "{row}");
@@ -118,8 +118,21 @@ fn errors_are_entered_only_where_the_model_explains_the_readings_and_an_error_is
         (missing, seen(), "Enter nothing into the control before"),
     ];
     for (diagnosis, correctable, expected) in others {
+        let input = Comparison {
+            diagnosis: Some(diagnosis.clone()),
+            correctable: Some(correctable.clone()),
+            ..Comparison::default()
+        };
         let said = to_do(diagnosis, correctable);
         assert!(said.iter().any(|item| item.starts_with(expected)), "{expected}: {said:?}");
+        for text in [diagnosis_text(&input), compare_text(&input)] {
+            for step in &said {
+                assert!(
+                    text.contains(step.as_str()),
+                    "the terminal says the steps of the page: {step}\n{text}"
+                );
+            }
+        }
         assert!(!said.iter().any(|item| item.starts_with(ENTER)), "{said:?}");
     }
 }
@@ -204,9 +217,10 @@ fn the_first_page_says_what_was_not_seen() {
 fn nothing_found_explains_no_share_of_anything() {
     let mut diagnosis = verdict(Verdict::NoiseFloor);
     diagnosis.residual.unexplained_fraction = Some(1.0);
-    let story = story(&Comparison { diagnosis: Some(diagnosis.clone()), ..Comparison::default() });
+    let input = Comparison { diagnosis: Some(diagnosis), ..Comparison::default() };
+    let story = story(&input);
     assert!(story.sure[0].starts_with("Nothing significant was found"), "{:?}", story.sure);
-    let text = diagnosis_text(&diagnosis, &[]);
+    let text = diagnosis_text(&input);
     for said in story.sure.iter().chain(story.facts.iter().map(|fact| &fact.value)).chain([&text]) {
         assert!(!said.contains("0 %"), "{said}");
     }

@@ -44,10 +44,7 @@ fn two_passes_that_differ_are_undecided_and_the_cycle_that_decides_is_named() {
     let cycle = Cycle::parse("next.toml", &planned.file).unwrap();
     assert_eq!(cycle.poses(run.machine()).unwrap().len(), 336, "every pose in both directions");
     let text = diagnosed.summary().replace('\n', " ");
-    assert!(
-        text.contains("Measure next: Repeat this pass") && text.contains("the present poses once more"),
-        "{text}"
-    );
+    assert!(text.contains("Repeat this pass") && text.contains("the present poses once more"), "{text}");
 }
 
 /// What only one setup shows is neither backlash nor drift to the search, and offsets of passes are noise to it. The larger, the less may
