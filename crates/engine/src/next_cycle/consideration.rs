@@ -48,7 +48,7 @@ impl CycleDesign<'_> {
         kind: RunKind,
         knowledge: &Knowledge,
     ) -> Result<Utility, PlanError> {
-        let both = self.present.with(setups, states, kind)?;
+        let both = self.present.with(setups, states, kind, self.instances)?;
         Ok(self.utility(&both, knowledge))
     }
 

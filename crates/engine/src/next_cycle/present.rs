@@ -5,11 +5,11 @@ use super::options::PlanError;
 use crate::fit::identification::Identification;
 use crate::problem::Problem;
 use crate::problem::experiment::Experiment;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_core::{Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
-use trunnion_effects::Instance;
 use trunnion_effects::catalogue::LOCATION_ERRORS;
+use trunnion_effects::{Instance, Scene};
 use trunnion_instruments::predict;
 use trunnion_machine::Errors;
 
@@ -72,8 +72,15 @@ impl Present {
         DMatrix::from_columns(&columns)
     }
 
-    /// The data at hand and one more run in these states, its ball mounted again.
-    pub fn with(&self, setups: &[Setup], states: &[State], kind: RunKind) -> Result<Experiment, PlanError> {
+    /// The data at hand and one more run in these states, its ball mounted again, for these rivals. What probes will be asked to read
+    /// takes a fit of all of it; it is left out where no effect follows it.
+    pub fn with(
+        &self,
+        setups: &[Setup],
+        states: &[State],
+        kind: RunKind,
+        rivals: &[Instance],
+    ) -> Result<Experiment, PlanError> {
         let scene = &self.experiment.scene;
         let machine = self.experiment.machine().clone();
         let last = self.runs.last().and_then(|run| run.points.last());
@@ -102,7 +109,11 @@ impl Present {
         };
         let mut runs = self.runs.clone();
         runs.push(next);
-        Ok(Experiment::new(&runs)?)
+        let mut effects = self.model.iter().map(|part| &part.instance).chain(rivals);
+        match effects.any(|instance| follows_deflections(instance, scene)) {
+            true => Ok(Experiment::new(&runs)?),
+            false => Ok(Experiment::undeflected(&runs)?),
+        }
     }
 
     /// The location errors found so far: what the next readings will mostly be.
@@ -135,6 +146,12 @@ impl Present {
     pub fn last_kind(&self) -> RunKind {
         self.runs.last().map_or(RunKind::Static, |run| run.kind)
     }
+}
+
+/// Whether an effect follows what probes are asked to read: without it, it has fewer parameters.
+fn follows_deflections(instance: &Instance, scene: &Scene) -> bool {
+    let parameters = |deflection_mm| instance.parameters(&Scene { deflection_mm, ..scene.clone() }).len();
+    parameters(Vector3::repeat(1.0)) != parameters(Vector3::zeros())
 }
 
 /// The last run of an experiment.

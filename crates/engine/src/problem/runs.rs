@@ -52,6 +52,13 @@ impl Experiment {
     /// # Errors
     /// No run, no usable point, or runs of different machines.
     pub fn new(runs: &[Run]) -> Result<Self, ExperimentError> {
+        let mut experiment = Self::undeflected(runs)?;
+        experiment.predict_deflections();
+        Ok(experiment)
+    }
+
+    /// The same without deflections of the probes, for effects that do not ask for them.
+    pub(crate) fn undeflected(runs: &[Run]) -> Result<Self, ExperimentError> {
         let limits = Limits::default();
         let reduced = |run: &'_ Run| match run.kind {
             RunKind::OnTheFly => blocks_of(run, limits).0,
@@ -61,7 +68,7 @@ impl Experiment {
             true => Cow::Owned(reduced(run)),
             false => Cow::Borrowed(run),
         });
-        Self::of_points(&fitted.collect::<Vec<_>>())
+        Self::put_together(&fitted.collect::<Vec<_>>())
     }
 
     /// As [`Self::new`], with every point as it is, however many.
@@ -69,6 +76,12 @@ impl Experiment {
     /// # Errors
     /// As [`Self::new`].
     pub fn of_points(runs: &[impl Borrow<Run>]) -> Result<Self, ExperimentError> {
+        let mut experiment = Self::put_together(runs)?;
+        experiment.predict_deflections();
+        Ok(experiment)
+    }
+
+    fn put_together(runs: &[impl Borrow<Run>]) -> Result<Self, ExperimentError> {
         let runs: Vec<&Run> = runs.iter().map(Borrow::borrow).collect();
         let first = *runs.first().ok_or(ExperimentError::NoRun)?;
         let (mut setups, mut points, mut run_of_point, mut channels) =
@@ -136,9 +149,7 @@ impl Experiment {
         }
         let states = points.iter().map(|p: &Point| &p.state);
         let scene = Scene::new(first.machine.clone(), scene_setups, channels, states);
-        let mut experiment = Self::laid_out(&runs, scene, setups, points, run_of_point);
-        experiment.predict_deflections();
-        Ok(experiment)
+        Ok(Self::laid_out(&runs, scene, setups, points, run_of_point))
     }
 
     /// What the probes were asked to read, as the base model predicts it: known steps and the linear columns times what was fitted. Never
