@@ -90,7 +90,9 @@ impl<'a> Design<'a> {
 
     /// ΔAᵀΔA of positions a little off, see [`crate::problem::off_nominal`].
     pub fn off_nominal(&self) -> &DMatrix<f64> {
-        self.off_nominal.get_or_init(|| off_nominal::gram(self.experiment, self.joint, &self.weights.root))
+        let Self { experiment, joint, weights, in_memory, .. } = self;
+        self.off_nominal
+            .get_or_init(|| off_nominal::gram(experiment, joint, &weights.root, in_memory.as_ref()))
     }
 
     /// A column that is no number would make the decompositions run forever.

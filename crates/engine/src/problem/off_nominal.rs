@@ -18,8 +18,13 @@ const OFF_RAD: f64 = 50e-6;
 /// So many points show how large a change is.
 const ENOUGH_POINTS: usize = 1024;
 
-/// ΔAᵀΔA over all points, rows weighted by `root`.
-pub(crate) fn gram(experiment: &Experiment, joint: &SideBySide, root: &DVector<f64>) -> DMatrix<f64> {
+/// ΔAᵀΔA over all points, rows weighted by `root`. `columns`: A, weighted, where it is at hand.
+pub(crate) fn gram(
+    experiment: &Experiment,
+    joint: &SideBySide,
+    root: &DVector<f64>,
+    columns: Option<&DMatrix<f64>>,
+) -> DMatrix<f64> {
     let width = joint.width();
     let mut gram = DMatrix::zeros(width, width);
     let step = experiment.points.len().div_ceil(ENOUGH_POINTS).max(1);
@@ -32,10 +37,17 @@ pub(crate) fn gram(experiment: &Experiment, joint: &SideBySide, root: &DVector<f
             }
             Cow::Owned(state)
         };
-        let here = joint.columns(experiment, i..i + 1);
-        let mut change = joint.columns_at(experiment, &off, i..i + 1) - here;
-        for (k, row) in experiment.rows_of(i).enumerate() {
-            change.row_mut(k).scale_mut(root[row]);
+        let rows = experiment.rows_of(i);
+        let weighted = |mut columns: DMatrix<f64>| {
+            for (k, row) in rows.clone().enumerate() {
+                columns.row_mut(k).scale_mut(root[row]);
+            }
+            columns
+        };
+        let mut change = weighted(joint.columns_at(experiment, &off, i..i + 1));
+        match columns {
+            Some(columns) => change -= columns.rows_range(rows.clone()),
+            None => change -= weighted(joint.columns(experiment, i..i + 1)),
         }
         gram.gemm_tr(step as f64, &change, &change, 1.0);
     }
