@@ -3,6 +3,7 @@
 
 mod ball_bar;
 mod centre;
+mod cross_grid;
 mod cut;
 mod face;
 mod laser_tracker;
@@ -29,6 +30,7 @@ static REGISTRY: &[&VirtualInstrument] = &[
     &length::INSTRUMENT,
     &laser_tracker::INSTRUMENT,
     &passive_arm::INSTRUMENT,
+    &cross_grid::INSTRUMENT,
     &level::INSTRUMENT,
     &line::INSTRUMENT,
     &centre::INSTRUMENT,

@@ -15,6 +15,8 @@ pub enum InstrumentKind {
     LaserBallBar,
     /// Passive serial link of two arms: its two joint angles.
     PassiveArm,
+    /// Cross-grid encoder (grid plate): both coordinates of a head in the plane of the grid.
+    CrossGrid,
     /// Level, autocollimator or angular interferometer: turn about one direction.
     Level,
     /// Laser interferometer along a line, for example a body diagonal.
@@ -62,6 +64,7 @@ const REFLECTOR: &[ReadingColumn] = &[
     ReadingColumn::Length("reflector_y_mm"),
     ReadingColumn::Length("reflector_z_mm"),
 ];
+const GRID: &[ReadingColumn] = &[ReadingColumn::Length("u_mm"), ReadingColumn::Length("v_mm")];
 const TURN: &[ReadingColumn] = &[ReadingColumn::Deviation("angle_um_per_m")];
 const ANGLES: &[ReadingColumn] = &[ReadingColumn::Angle("j1_deg"), ReadingColumn::Angle("j2_deg")];
 const NORMAL: &[ReadingColumn] = &[ReadingColumn::Deviation("dn_um")];
@@ -117,6 +120,14 @@ const ROWS: &[Row] = &[
         "joint angle of the arm",
         ANGLES,
         &[Key::Arms],
+    ),
+    row(
+        InstrumentKind::CrossGrid,
+        "cross-grid",
+        &["u", "v"],
+        "coordinate on the grid",
+        GRID,
+        &[Key::Direction],
     ),
     row(InstrumentKind::Level, "level", &["angle"], "reading of the level", TURN, &[Key::Direction]),
     row(InstrumentKind::Diagonal, "diagonal", &["l"], "reading along the beam", LENGTH, &[Key::Direction]),
@@ -214,7 +225,7 @@ impl InstrumentKind {
         self == Self::Level
     }
 
-    /// True when it reads along or about a direction of its setup.
+    /// True when it reads along, about or across a direction of its setup.
     pub fn has_direction(self) -> bool {
         self.needs(Key::Direction)
     }

@@ -32,8 +32,8 @@ pub struct Setup {
     pub bar_length_mm: Option<f64>,
     /// Nominal centre of the spindle-side ball, nest, reflector or stylus in tool coordinates, mm.
     pub ball_in_tool_mm: Point3<f64>,
-    /// Direction of a laser line, machine axes; of a ball bar, from the table's ball to the tool's, where it differs from
-    /// the cycle's.
+    /// Direction of a laser line, machine axes; normal of a grid plate, table axes; of a ball bar, from the table's ball to the
+    /// tool's, where it differs from the cycle's.
     pub direction: Option<Unit<Vector3<f64>>>,
     /// Lengths of the two arms of a passive link, from the table outward, mm.
     pub arms_mm: Option<[f64; 2]>,
@@ -75,6 +75,15 @@ impl Setup {
     /// Number of targets, at least one.
     pub fn targets(&self) -> usize {
         self.artefact.as_ref().map_or(1, |artefact| artefact.targets.len())
+    }
+
+    /// Directions of the two gratings of a plate, table axes: along the letter that follows that of its normal (X, Y, Z, X), and square
+    /// to it, right-handed about the normal.
+    pub fn gratings(&self) -> [Unit<Vector3<f64>>; 2] {
+        let normal = self.direction.unwrap_or_else(Vector3::z_axis);
+        let next = Vector3::ith((normal.iamax() + 1) % 3, 1.0);
+        let first = convert::unit(next - normal.into_inner() * normal.dot(&next));
+        [first, convert::unit(normal.cross(&first))]
     }
 
     /// Component `i` of a reading, mm, from the number in its column of a points file.
@@ -183,7 +192,7 @@ fn read_setup(table: &Table<'_>) -> Option<Setup> {
     if instrument.is_some_and(InstrumentKind::has_direction)
         && direction.is_none_or(|along| along.norm() < 1e-6)
     {
-        let allowed = "the direction of the laser, e.g. [1, 1, 1]";
+        let allowed = "the direction of the beam, of the turn or of the normal, e.g. [0, 0, 1]";
         table.problem("direction", "is missing or has no length", allowed, "");
     }
     let arms_mm = table.optional_numbers("arms_mm").and_then(|arms| <[f64; 2]>::try_from(arms).ok());

@@ -171,8 +171,8 @@ impl Cycle {
             Motion::OnTheFly { feeds_rad_per_s, from_to_rad, .. } => {
                 of(*from_to_rad, &|leg| feeds_rad_per_s[leg.feed])
             }
-            Motion::Path { feeds_mm_per_s, from_to_rad, .. } => {
-                of(*from_to_rad, &|leg| feeds_mm_per_s[leg.feed] / path::radius_mm(&self.setups[leg.setup]))
+            Motion::Path { path, feeds_mm_per_s, from_to_rad, .. } => {
+                of(*from_to_rad, &|leg| feeds_mm_per_s[leg.feed] / path.radius_mm(&self.setups[leg.setup]))
             }
         }
     }
@@ -212,7 +212,7 @@ impl Cycle {
         let Motion::Path { path, .. } = &self.motion else { return None };
         let off = |setup: &&Setup| {
             let apart = (place_in_table_mm - setup.ball_in_table_mm).norm();
-            (apart - path::radius_mm(setup)).abs()
+            (apart - path.radius_mm(setup)).abs()
         };
         let setup = self.setups.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
         Some(path.angle_rad(machine, setup, place_in_table_mm))

@@ -2,6 +2,7 @@
 
 mod ball_bar;
 mod ball_plate;
+mod cross_grid;
 mod diagonal;
 mod laser_ball_bar;
 mod laser_tracker;
@@ -25,6 +26,7 @@ pub static REGISTRY: &[Instrument] = &[
     laser_tracker::INSTRUMENT,
     laser_ball_bar::INSTRUMENT,
     passive_arm::INSTRUMENT,
+    cross_grid::INSTRUMENT,
     level::INSTRUMENT,
     diagonal::INSTRUMENT,
     step_diagonal::INSTRUMENT,

@@ -133,6 +133,31 @@ fn a_level_reads_the_turn_about_its_direction_wherever_the_tool_is() {
     assert!(predict(&machine, &about([1.0, 0.0, 0.0]), &state, &errors).x.abs() < 1e-9);
 }
 
+/// Coordinates in the plane of the plate and nothing across it, by the cyclic order of the letters; a plate turned by ψ about its normal reads
+/// (u cos ψ + v sin ψ, v cos ψ − u sin ψ).
+#[test]
+fn a_grid_plate_reads_the_coordinates_of_its_plane() {
+    let machine = shipped::machine("three-axis").unwrap();
+    let mut state = State::default();
+    (state.position[Joint::X], state.position[Joint::Y], state.position[Joint::Z]) = (3.0, 40.0, 500.0);
+    for (normal, expected) in
+        [([0.0, 0.0, 1.0], [3.0, 40.0]), ([1.0, 0.0, 0.0], [40.0, 500.0]), ([0.0, 1.0, 0.0], [500.0, 3.0])]
+    {
+        let setup = Setup {
+            direction: Some(Unit::new_normalize(Vector3::from(normal))),
+            ..Setup::new("plate", InstrumentKind::CrossGrid, NestSide::Table, Point3::origin())
+        };
+        let read = predict(&machine, &setup, &state, &Errors::default());
+        assert!((read - Vector3::new(expected[0], expected[1], 0.0)).norm() < 1e-12, "{normal:?} {read}");
+        let (psi, [u, v]) = (0.01f64, expected);
+        let mut errors = Errors::default();
+        errors.add(Site::Instrument(0), Twist::translation(Vector3::x() * psi));
+        let (sin, cos) = psi.sin_cos();
+        let turned = Vector3::new(u * cos + v * sin, v * cos - u * sin, 0.0);
+        assert!((predict(&machine, &setup, &state, &errors) - turned).norm() < 1e-12);
+    }
+}
+
 /// Textbook case: arms of 3 and 4 at a right angle reach 5 away.
 #[test]
 fn a_passive_arm_reads_the_angles_of_the_3_4_5_triangle() {

@@ -6,8 +6,9 @@
 //! steps = 20
 //! in_turn = false                     # true: X, Y and Z step one after the other
 //!
-//! [circle]                            # kind = "on-the-fly", instead of [sweep]; about the table's ball, radius of the bar
+//! [circle]                            # kind = "on-the-fly", instead of [sweep]; about the table's ball
 //! plane = "XY"
+//! radius_mm = 1                       # may be left out: the length of the bar
 //! from_deg = -180
 //! to_deg = 540
 //! feeds_mm_per_min = [1000]
@@ -42,6 +43,8 @@ pub enum Path {
     Circle {
         /// The axes; the angle runs from the first to the second.
         plane: [Joint; 2],
+        /// Radius, mm; `None`: the length of the bar.
+        radius_mm: Option<f64>,
     },
     /// Base circle of a cone whose generatrix the tool axis keeps parallel to [NAS 979; ISO 10791-6 BK4].
     Cone {
@@ -50,11 +53,6 @@ pub enum Path {
         /// Tilt of the cone's axis against the table's Z, towards its X, rad.
         tilt_rad: f64,
     },
-}
-
-/// Radius of the curves of a setup: the length of its bar, mm.
-pub(super) fn radius_mm(setup: &Setup) -> f64 {
-    setup.bar_length_mm.unwrap_or(1.0).max(1.0)
 }
 
 impl Line {
@@ -77,10 +75,19 @@ impl Line {
 }
 
 impl Path {
+    /// Radius of the curve in a setup, mm: its own, or the length of the bar.
+    pub(super) fn radius_mm(&self, setup: &Setup) -> f64 {
+        let own = match self {
+            Self::Circle { radius_mm, .. } => *radius_mm,
+            Self::Cone { .. } => None,
+        };
+        own.or(setup.bar_length_mm).unwrap_or(1.0)
+    }
+
     /// Axes that it needs.
     pub(super) fn axes(&self) -> Vec<Joint> {
         match self {
-            Self::Circle { plane } => plane.to_vec(),
+            Self::Circle { plane, .. } => plane.to_vec(),
             Self::Cone { .. } => Joint::LINEAR.to_vec(),
         }
     }
@@ -88,7 +95,7 @@ impl Path {
     /// Angle on the curve nearest to a place of the tool point in table axes, −π…π.
     pub(super) fn angle_rad(&self, machine: &Machine, setup: &Setup, place_in_table_mm: &Point3<f64>) -> f64 {
         let [right, up] = match self {
-            Self::Circle { plane } => {
+            Self::Circle { plane, .. } => {
                 let table = machine.machine_from_table(&AxisValues::default(), &JointErrors::default());
                 plane.map(|letter| table.rotation.inverse() * Vector3::ith(letter.index(), 1.0))
             }
@@ -110,10 +117,10 @@ impl Path {
         angle_rad: f64,
         near: &AxisValues<f64>,
     ) -> Option<AxisValues<f64>> {
-        let radius_mm = setup.bar_length_mm.unwrap_or_default();
+        let radius_mm = self.radius_mm(setup);
         let (sin, cos) = angle_rad.sin_cos();
         match self {
-            Self::Circle { plane } => {
+            Self::Circle { plane, .. } => {
                 let along = |letter: Joint| Vector3::ith(letter.index(), radius_mm);
                 let apart_mm = along(plane[0]) * cos + along(plane[1]) * sin;
                 let rotary = AxisValues::default();

@@ -12,6 +12,9 @@ const FARTHEST_DEG: f64 = 36_000.0;
 /// Poses of one cycle: at a second each, eleven days.
 const MOST_POSES: f64 = 1e6;
 
+/// Radii of circles, mm: from the smallest that a cross-grid encoder is for to the length of a laser ball bar.
+const RADII_MM: std::ops::RangeInclusive<f64> = 0.1..=20_000.0;
+
 /// The cycle of a document; problems are noted in it.
 impl Cycle {
     /// Reads a cycle file.
@@ -154,7 +157,8 @@ fn read_path(root: &Table<'_>, setups: Option<&[Setup]>) -> Option<Motion> {
     let path = if key == "circle" {
         let planes = ["XY", "YZ", "ZX", "YX", "ZY", "XZ"];
         table.one_of("plane", &planes).and_then(|plane| {
-            Some(Path::Circle { plane: [Joint::parse(&plane[..1])?, Joint::parse(&plane[1..])?] })
+            let plane = [Joint::parse(&plane[..1])?, Joint::parse(&plane[1..])?];
+            Some(Path::Circle { plane, radius_mm: table.optional_number("radius_mm", RADII_MM) })
         })
     } else {
         let half_angle = table.number("half_angle_deg", 0.0..=80.0);
@@ -168,8 +172,9 @@ fn read_path(root: &Table<'_>, setups: Option<&[Setup]>) -> Option<Motion> {
     let to = table.number("to_deg", -FARTHEST_DEG..=FARTHEST_DEG);
     let feeds = read_feeds(&table, "feeds_mm_per_min");
     table.no_other_keys();
-    if setups.is_some_and(|setups| setups.iter().any(|setup| setup.bar_length_mm.is_none())) {
-        let allowed = "bar_length_mm in every setup: it is the radius of the curve";
+    let has_radius = matches!(path, Some(Path::Circle { radius_mm: Some(_), .. }));
+    if !has_radius && setups.is_some_and(|setups| setups.iter().any(|setup| setup.bar_length_mm.is_none())) {
+        let allowed = "bar_length_mm in every setup: it is the radius of the curve; or radius_mm of a circle";
         root.problem(key, "has no radius", allowed, "");
         return None;
     }

@@ -225,7 +225,8 @@ fn any_motion() -> impl Strategy<Value = Motion> {
         },
     );
     let shapes = [
-        Path::Circle { plane: [Joint::Z, Joint::X] },
+        Path::Circle { plane: [Joint::Z, Joint::X], radius_mm: None },
+        Path::Circle { plane: [Joint::Y, Joint::Z], radius_mm: Some(1.5) },
         Path::Cone { half_angle_rad: rad_from_deg(15.0), tilt_rad: rad_from_deg(10.0) },
     ];
     let curve = (prop::sample::select(shapes.to_vec()), 0i32..720, 1u32..5000, passes()).prop_map(
@@ -267,8 +268,10 @@ proptest! {
             }
             Motion::Path { path, from_to_rad, feeds_mm_per_s, passes } => {
                 let shape = match path {
-                    Path::Circle { plane } => plane.map(|letter| letter.index() as f64),
-                    Path::Cone { half_angle_rad, tilt_rad } => [*half_angle_rad, *tilt_rad],
+                    Path::Circle { plane: [first, second], radius_mm } => {
+                        [first.index() as f64, second.index() as f64, radius_mm.unwrap_or(-1.0)]
+                    }
+                    Path::Cone { half_angle_rad, tilt_rad } => [*half_angle_rad, *tilt_rad, 0.0],
                 };
                 let mut all = vec![from_to_rad.0, from_to_rad.1];
                 all.extend(shape.iter().chain(feeds_mm_per_s).chain(passes));
@@ -286,6 +289,51 @@ proptest! {
             prop_assert!((a - b).abs() < 1e-11, "{} {}\n{}", a, b, text);
         }
     }
+}
+
+/// It has half a millimetre to the plate: not even the strokes of the synchronisation move may use it.
+#[test]
+fn a_head_over_a_grid_plate_keeps_its_distance_on_the_whole_course() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/cycles");
+    for (name, normal) in [
+        ("cross-grid-circle-xy", Joint::Z),
+        ("cross-grid-circle-yz", Joint::X),
+        ("cross-grid-circle-zx", Joint::Y),
+        ("cross-grid-small", Joint::Z),
+    ] {
+        let text = std::fs::read_to_string(format!("{folder}/{name}.toml")).unwrap();
+        let cycle = Cycle::parse(name, &text).unwrap();
+        let machine = shipped::machine(&cycle.machine).unwrap();
+        let mut strokes = 0;
+        for step in cycle.course(&machine, &CourseRules::default()).unwrap() {
+            let places: Vec<AxisValues<f64>> = match step {
+                course::Step::SyncMove { pieces, .. } => {
+                    strokes += pieces.len();
+                    pieces.into_iter().map(|(end, _)| end).collect()
+                }
+                course::Step::Transfer { pieces } => pieces.into_iter().map(|(end, _)| end).collect(),
+                course::Step::Sweep { ends, .. } => ends,
+                _ => Vec::new(),
+            };
+            assert!(places.iter().all(|at| at[normal].abs() < 1e-9), "{name}");
+        }
+        assert!(strokes > 0, "{name}");
+    }
+}
+
+#[test]
+fn a_circle_has_its_own_radius_and_its_feed_along_it() {
+    let text = include_str!("../../../../config/cycles/cross-grid-small.toml");
+    let cycle = Cycle::parse("c.toml", text).unwrap();
+    let visits = cycle.visits(&shipped::machine(&cycle.machine).unwrap(), &Pace::default()).unwrap();
+    for state in &visits.states {
+        let (place, speed) = (&state.position, &state.velocity);
+        assert!((place[Joint::X].hypot(place[Joint::Y]) - 1.0).abs() < 1e-12);
+        assert!((speed[Joint::X].hypot(speed[Joint::Y]) - 100.0 / 60.0).abs() < 1e-6);
+    }
+    let without = text.replace("radius_mm = 1\n", "");
+    let shown = Cycle::parse("c.toml", &without).unwrap_err().to_string();
+    assert!(shown.contains("has no radius") && shown.contains("radius_mm of a circle"), "{shown}");
 }
 
 /// On this machine the spindle has the place that A has on others.

@@ -4,7 +4,6 @@
 //! fly: points at a constant rate while the axis turns at its feed, the linear axes following. Moves take the time of the
 //! slowest axis at its feed limit; ramps and look-ahead of the controller are in the allowances of [`Pace`].
 
-use super::path::radius_mm;
 use super::{Cycle, Leg, Motion};
 use trunnion_core::{AxisValues, Joint, State, convert};
 use trunnion_machine::Machine;
@@ -204,8 +203,8 @@ impl Cycle {
                 from_to_rad: *from_to_rad,
                 feed: feeds_rad_per_s[leg.feed],
             }),
-            Motion::Path { from_to_rad, feeds_mm_per_s, .. } => {
-                let feed = feeds_mm_per_s[leg.feed] / radius_mm(&self.setups[leg.setup]);
+            Motion::Path { path, from_to_rad, feeds_mm_per_s, .. } => {
+                let feed = feeds_mm_per_s[leg.feed] / path.radius_mm(&self.setups[leg.setup]);
                 Some(Sweeping { turning: None, from_to_rad: *from_to_rad, feed })
             }
         }

@@ -113,7 +113,10 @@ fn line_text(line: &Line) -> String {
 
 fn path_text(path: &Path, (from, to): (f64, f64), feeds_mm_per_s: &[f64]) -> String {
     let shape = match path {
-        Path::Circle { plane: [first, second] } => format!("\n[circle]\nplane = \"{first}{second}\"\n"),
+        Path::Circle { plane: [first, second], radius_mm } => {
+            let radius = radius_mm.map_or_else(String::new, |radius_mm| format!("radius_mm = {radius_mm}\n"));
+            format!("\n[circle]\nplane = \"{first}{second}\"\n{radius}")
+        }
         Path::Cone { half_angle_rad, tilt_rad } => {
             let (half_angle, tilt) = (deg(*half_angle_rad), deg(*tilt_rad));
             format!("\n[cone]\nhalf_angle_deg = {half_angle}\ntilt_deg = {tilt}\n")

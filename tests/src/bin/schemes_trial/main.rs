@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use clap::Parser;
-use trunnion_tests::schemes::rows::ROWS;
+use trunnion_tests::schemes::rows::rows;
 use trunnion_tests::schemes::{NOISES, SECTION, Tried, line, trial};
 use trunnion_tests::section::Section;
 use trunnion_tests::workspace_root;
@@ -31,7 +31,7 @@ const DOCUMENT: &str = "docs/measured/schemes.md";
 
 fn main() -> anyhow::Result<()> {
     let args = Args::parse();
-    for row in ROWS.iter().filter(|row| row.cycle.contains(&args.only)) {
+    for row in rows().filter(|row| row.cycle.contains(&args.only)) {
         let begun = std::time::Instant::now();
         let mut tried = Vec::new();
         for (kind, _) in NOISES {
@@ -76,12 +76,12 @@ fn write(scheme: &str, line: &str) -> anyhow::Result<()> {
     let path = workspace_root().join(DOCUMENT);
     let document = std::fs::read_to_string(&path)?;
     let section = Section::of(&document, SECTION).context("the document has its section")?;
-    let begins = |line: &&str| ROWS.iter().position(|row| line.starts_with(&format!("| {} |", row.scheme)));
-    let (mut rows, head): (Vec<&str>, Vec<&str>) =
+    let begins = |line: &&str| rows().position(|row| line.starts_with(&format!("| {} |", row.scheme)));
+    let (mut lines, head): (Vec<&str>, Vec<&str>) =
         section.inside.split_inclusive('\n').partition(|line| begins(line).is_some());
-    rows.retain(|old| !old.starts_with(&format!("| {scheme} |")));
-    rows.push(line);
-    rows.sort_by_key(begins);
-    std::fs::write(&path, section.with(&(head.concat() + &rows.concat())))?;
+    lines.retain(|old| !old.starts_with(&format!("| {scheme} |")));
+    lines.push(line);
+    lines.sort_by_key(begins);
+    std::fs::write(&path, section.with(&(head.concat() + &lines.concat())))?;
     Ok(())
 }

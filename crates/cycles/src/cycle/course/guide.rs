@@ -205,7 +205,7 @@ impl<'a> Guide<'a> {
     }
 
     /// On the fly only: strokes along the linear axis in which the instrument sees most, X for an R-test, along the bar for a
-    /// ball bar.
+    /// ball bar, along a grating of a plate.
     fn sync_move(&mut self) {
         let Some(Joined { setup, at, .. }) =
             self.joined.filter(|_| self.cycle.run_kind() == RunKind::OnTheFly)
@@ -214,6 +214,10 @@ impl<'a> Guide<'a> {
         };
         let seen = match self.cycle.setups[setup].instrument {
             InstrumentKind::BallBar => self.tip_in_machine(setup, &at) - self.ball_in_machine(setup, &at),
+            InstrumentKind::CrossGrid => {
+                let table = self.machine.machine_from_table(&at, &JointErrors::default()).rotation;
+                table * self.cycle.setups[setup].gratings()[0].into_inner()
+            }
             _ => Vector3::x(),
         };
         let shown =
