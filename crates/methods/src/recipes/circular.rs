@@ -1,4 +1,4 @@
-//! Circular tests of two linear axes with a ball bar: the values of ISO 230-4, and what the trace is made of.
+//! Circular tests of two linear axes with a ball bar or a cross-grid encoder: the values of ISO 230-4, and what the trace is made of.
 //!
 //! Plane (a, b) = XY, YZ or ZX, bar R (cos φ, sin φ) from the table's ball to the tool's, d = ±1 counter-clockwise or clockwise.
 //! An error (e_a, e_b) of the tool against the table reads r = e_a cos φ + e_b sin φ. Each error of the classical list is a column;
@@ -20,6 +20,7 @@ mod confounded;
 mod fit;
 mod list;
 mod planes;
+mod plate;
 mod solved;
 mod trace;
 mod values;
@@ -34,12 +35,13 @@ pub(super) static METHOD: Method = Method {
     name: "circular",
     title: "Circular tests of linear axes: ISO 230-4 values and the errors behind them, ranked",
     source: "ISO 230-4:2005; Kakino et al. 1990 (DBB); S4 §4.1; docs/design/physics.md §5.2",
-    about: "Ball-bar circles of two linear axes, best both ways: circular deviations; and the classical list of errors, fitted \
+    about: "Circles of two linear axes by a ball bar or on a grid plate, best both ways: circular deviations; and the classical list of errors, fitted \
             to both directions together. Each has its own circularity and its rank; the share that nothing on the list explains stands last.",
     takes_axis: false,
     takes_convention: false,
-    needs: "a ball bar while two linear axes make a circle of 180° or more about its table ball, best whole circles both ways",
-    gives: "G of each direction, G(b), D and F (bar of known length), squareness, scale mismatch; backlash, reversal spikes, lateral \
+    needs: "a ball bar or a cross-grid encoder while two linear axes make a circle of 180° or more, about the table ball of a bar, best whole circles \
+            both ways",
+    gives: "G of each direction, G(b), D and F (bar of known length, grid plate), squareness, scale mismatch; backlash, reversal spikes, lateral \
             play, cyclic error, servo mismatch, straightness, and what they leave",
     run,
 };

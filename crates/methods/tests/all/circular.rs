@@ -110,6 +110,38 @@ fn each_error_of_the_list_is_found_alone_with_its_own_circularity() {
     assert!(value(&found, "XY unexplained share") < 0.01);
 }
 
+/// The same circle on a grid plate that lies off its place and turned: what a bar reads, at 1 mm of radius too.
+#[test]
+fn a_grid_plate_reads_the_errors_of_a_circle_of_one_millimetre() {
+    let path = format!("{}/../../config/cycles/cross-grid-small.toml", env!("CARGO_MANIFEST_DIR"));
+    let cycle = Cycle::parse("cycle.toml", &std::fs::read_to_string(path).unwrap())
+        .unwrap_or_else(|problems| panic!("{problems}"));
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    let turn_rad = 300e-6;
+    let point = |state: State| {
+        let (x, y) = (state.position[X], state.position[Y]);
+        // Backlash of X of 3 µm, servo mismatch of 2 ms.
+        let (x, y) = (x + 1.5 * UM * state.direction[X] - 2e-3 * state.velocity[X], y);
+        let reading_mm = [x + turn_rad * y + 12.3, y - turn_rad * x - 4.5, 0.0];
+        Point { reading_mm, state, spread_mm: [0.0; 3], samples: 1, quality: Quality::Good }
+    };
+    let states = cycle.visits(&machine, &Pace::default()).unwrap_or_else(|error| panic!("{error}")).states;
+    let run = Run {
+        name: "plate".into(),
+        machine: machine.clone(),
+        kind: RunKind::OnTheFly,
+        setups: cycle.setups.clone(),
+        channels: vec![],
+        points: states.into_iter().map(point).collect(),
+    };
+    let found = circular(run);
+    near(value(&found, "XY backlash X"), 3.0 * UM, 0.06 * UM, "backlash");
+    near(value(&found, "XY servo X−Y"), 2e-3, 0.05e-3, "servo");
+    // A calibrated plate knows its lengths, so D and F are there.
+    assert!(found.value("XY D").is_some() && found.value("XY F max").is_some());
+    assert!(value(&found, "XY unexplained share") < 0.01);
+}
+
 #[test]
 fn several_errors_together_are_distinguished_in_noise() {
     let found = circular(circle(

@@ -1,5 +1,6 @@
 //! Circles among the readings: bar in a coordinate plane, two linear axes moving, nothing else.
 
+use super::plate;
 use crate::common::{Mounted, Recognised};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Vector2, Vector3};
@@ -91,7 +92,14 @@ pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Traces, Method
     let what = "no setup holds a circle of two linear axes";
     let next = "Run a cycle such as config/cycles/circle-xy.toml; rotary axes under a ball bar are for --method ball-bar.";
     Traces::of(method, runs, (what, next), |Mounted { name, run, setup, points }, others| {
-        let trace = circle(run, setup, points)?;
+        let trace = match setup.instrument {
+            InstrumentKind::CrossGrid => {
+                let run = plate::by_a_bar(run, setup, points)?;
+                let points: Vec<&Point> = run.points.iter().collect();
+                circle(&run, &run.setups[points[0].state.setup], &points)?
+            }
+            _ => circle(run, setup, points)?,
+        };
         let taken = others.iter().any(|other| other.plane == trace.plane);
         let name = if taken { format!("{} {name}", trace.name) } else { trace.name };
         Ok(Trace { name, on_the_fly: run.kind == RunKind::OnTheFly, ..trace })
@@ -101,7 +109,10 @@ pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Traces, Method
 fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> {
     let machine = &run.machine;
     if setup.instrument != InstrumentKind::BallBar {
-        return Err(format!("is read by a {}, not by a ball bar", setup.instrument.name()));
+        return Err(format!(
+            "is read by a {}, not by a ball bar or a cross-grid encoder",
+            setup.instrument.name()
+        ));
     }
     if points.len() < LEAST_READINGS {
         return Err(format!("has {} readings; {LEAST_READINGS} or more separate the errors", points.len()));
