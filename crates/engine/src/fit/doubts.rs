@@ -8,6 +8,7 @@
 //! - One stated direction of an axis that goes both ways: an approach from one side, or a column that was never filled in.
 //! - Readings at rest that scatter as no machining centre in order does: a wrong unit, or something loose.
 
+use crate::evidence::joined;
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification};
 use crate::problem::steps::{self, OneDirection};
 use crate::solve::linear::Reduced;
@@ -89,12 +90,10 @@ pub fn doubts(experiment: &Experiment, model: &Model, fit: &Identification) -> V
     let is_setting = |effect: &&FittedEffect| {
         trunnion_effects::catalogue::effect(&effect.id).is_some_and(|effect| effect.role == Role::Setting)
     };
-    let settings: Vec<_> = fit
-        .effects
-        .iter()
-        .filter(is_setting)
+    let of_settings = fit.effects.iter().filter(is_setting);
+    let settings = of_settings
         .filter_map(|effect| columns(&effect.id, &effect.shape))
-        .collect();
+        .fold(DMatrix::zeros(experiment.rows(), 0), |all, of_effect| joined(&all, &of_effect));
     for effect in &fit.effects {
         let of_effect: Vec<_> = fit.parameters.iter().filter(|p| p.effect == effect.id).collect();
         let coefficients: Vec<usize> = (0..of_effect.len())
@@ -158,12 +157,12 @@ fn scatter(experiment: &Experiment, fit: &Identification) -> Option<Doubt> {
     (at_rest && in_nest && noise_um > SCATTER_UM).then(|| Doubt { effect: None, names: Vec::new(), reason })
 }
 
-/// Largest condition index and the columns that it concerns.
-fn collinear(mut columns: DMatrix<f64>, settings: &[DMatrix<f64>]) -> Option<(f64, Vec<usize>)> {
-    for setting in settings {
-        let basis = setting * Reduced::from_design(setting).orthonormal(NO_DIRECTION);
-        let of_setting = basis.tr_mul(&columns);
-        columns -= basis * of_setting;
+/// Largest condition index and the columns that it concerns; what all settings together imitate is projected out.
+fn collinear(mut columns: DMatrix<f64>, settings: &DMatrix<f64>) -> Option<(f64, Vec<usize>)> {
+    if settings.ncols() > 0 {
+        let basis = settings * Reduced::from_design(settings).orthonormal(NO_DIRECTION);
+        let of_settings = basis.tr_mul(&columns);
+        columns -= basis * of_settings;
     }
     for mut column in columns.column_iter_mut() {
         let norm = column.norm();
@@ -206,4 +205,21 @@ fn longer_than_run(experiment: &Experiment, effect: &FittedEffect) -> Option<Dou
         names,
         reason: DoubtReason::LongerThanRun { tau_s, longest_s },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two settings that resemble each other: one after the other they would leave e₃ ± ½(e₁ − e₂).
+    #[test]
+    fn what_settings_imitate_together_is_projected_out() {
+        let matrix = |columns: &[[f64; 4]; 2]| {
+            DMatrix::from_columns(&columns.map(|column| nalgebra::DVector::from_row_slice(&column)))
+        };
+        let settings = matrix(&[[1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0]]);
+        let (index, involved) =
+            collinear(matrix(&[[0.0, 1.0, 1.0, 0.0], [0.0, -1.0, 1.0, 1e-3]]), &settings).expect("collinear");
+        assert!(index > CONDITION_INDEX && involved == [0, 1], "{index} {involved:?}");
+    }
 }
