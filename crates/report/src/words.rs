@@ -2,7 +2,7 @@
 
 mod frozen;
 
-pub use frozen::{differences, frozen_sentences};
+pub use frozen::{differences, frozen_sentences, not_in_band};
 
 use crate::number::{percent, um, um_or_dash};
 use frozen::frozen_headline;

@@ -1,10 +1,10 @@
 //! A prediction of other runs, for the terminal.
 
 use super::table::{clean, paragraph, titled};
-use crate::number::{percent, um, with_unit};
-use crate::words::differences;
+use crate::number::{percent, um};
+use crate::words::{differences, not_in_band};
 use std::iter::once;
-use trunnion_results::{Prediction, RunPrediction, Taken};
+use trunnion_results::{Prediction, RunPrediction};
 
 /// Error and share inside the band of each run.
 pub fn prediction_text(prediction: &Prediction) -> String {
@@ -48,10 +48,5 @@ pub fn prediction_text(prediction: &Prediction) -> String {
         }
     }
     out += &paragraph(differences(prediction));
-    if !prediction.taken.is_empty() {
-        let one = |one: &Taken| format!("{} = {}", one.name, with_unit(one.value, &one.unit));
-        let all = prediction.taken.iter().map(one).collect::<Vec<_>>().join(", ");
-        out += &paragraph(&format!("Not determined alone by the fitted runs, and taken as: {all}."));
-    }
-    out
+    out + &not_in_band(prediction).map_or(String::new(), |sentence| paragraph(&sentence))
 }

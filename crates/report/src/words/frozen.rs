@@ -1,7 +1,7 @@
 //! What kept values say of other runs.
 
-use crate::number::{percent, um};
-use trunnion_results::{Prediction, RunPrediction};
+use crate::number::{percent, um, with_unit};
+use trunnion_results::{Prediction, RunPrediction, Taken};
 
 /// How far kept values predict the runs, in one line.
 pub(super) fn frozen_headline(frozen: &Prediction) -> String {
@@ -27,7 +27,19 @@ pub fn frozen_sentences(frozen: &Prediction) -> Vec<String> {
     };
     let mut sentences: Vec<String> = frozen.runs.iter().map(of_run).collect();
     sentences.push(differences(frozen).into());
+    sentences.extend(not_in_band(frozen));
     sentences
+}
+
+/// What the band lacks because the fitted runs do not determine it.
+pub fn not_in_band(frozen: &Prediction) -> Option<String> {
+    let one = |one: &Taken| format!("{} = {}", one.name, with_unit(one.value, &one.unit));
+    let all = frozen.taken.iter().map(one).collect::<Vec<_>>().join(", ");
+    (!all.is_empty()).then(|| {
+        format!(
+            "Not determined alone by the fitted runs, and taken as: {all}. The 95 % band does not hold what other values of these change."
+        )
+    })
 }
 
 /// Whether the band knows what differs between runs.
