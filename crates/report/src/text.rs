@@ -30,8 +30,8 @@ use crate::views::cuts;
 use crate::words::{
     EXPLAINS, NO_PLACE, TOGETHER, beyond_catalogue, candidate_figures, effect_name, evidence_words,
     explanation, formula_leads, formula_shape, formula_site, headline, left_out, names, no_place,
-    noise_origin, noticeable, repeatability, sizes, sizes_from, together_figures, trial_verdict, verdict,
-    wave,
+    noise_origin, noticeable, remaining_pattern, repeatability, sizes, sizes_from, together_figures,
+    trial_verdict, verdict, wave,
 };
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
@@ -233,7 +233,8 @@ pub fn diagnosis_text(input: &Comparison) -> String {
         held_out(residual.holdout_rms_um, residual.holdout_unit),
     );
     out += &paragraph(&diagnosis.why);
-    out += &noticeable(diagnosis).map_or(String::new(), |sentence| paragraph(&sentence));
+    let all_clear = noticeable(diagnosis).into_iter().chain(remaining_pattern(diagnosis));
+    all_clear.for_each(|sentence| out += &paragraph(&sentence));
     out += &what_to_do(input);
     if !diagnosis.candidates.is_empty() {
         out += "\n";

@@ -138,6 +138,7 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
         repeatability(diagnosis.residual.noise_um)
     ));
     sentences.extend(noticeable(diagnosis));
+    sentences.extend(remaining_pattern(diagnosis));
     sentences
 }
 
@@ -185,6 +186,19 @@ pub fn noticeable(diagnosis: &Diagnosis) -> Option<String> {
             um(passes_um)
         ),
         false => noticed,
+    })
+}
+
+/// What of the residual comes back although nothing is missing that has a name: no noise, and smaller than the repeatability.
+pub fn remaining_pattern(diagnosis: &Diagnosis) -> Option<String> {
+    let pattern_um = diagnosis.noise.pattern_um;
+    let is_said = diagnosis.verdict == Verdict::NoiseFloor
+        && diagnosis.noticeable_um.is_some_and(|noticeable_um| pattern_um > noticeable_um);
+    is_said.then(|| {
+        format!(
+            "A pattern over the positions of some {} comes back, smaller than the repeatability; no effect or expression describes it.",
+            um(pattern_um)
+        )
     })
 }
 

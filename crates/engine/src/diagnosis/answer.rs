@@ -251,7 +251,7 @@ impl Context<'_> {
             (self.found.items.iter().any(Item::is_open), "a part of it has no name in the catalogue"),
             (!self.is_constant, "one of these effects changes with time or place by more than chance"),
             (
-                !remainder_is_natural(self.scan, self.found),
+                !remainder_is_natural(self.scan, self.problem.fit(), self.found),
                 "at the stops of the axes something comes back that bearings, encoders and gears do not explain",
             ),
         ];

@@ -11,7 +11,8 @@ pub enum Verdict {
     MissingEffect,
     /// The residual has structure that no effect of the catalogue explains as well as an expression does.
     UnnamedStructure,
-    /// Nothing above the noise: repeats show the repeatability, and the residual is no larger than they allow.
+    /// Nothing above the noise: repeats show the repeatability, the residual is no larger than they allow, and no pattern larger than the
+    /// repeatability comes back.
     NoiseFloor,
     /// These data cannot say; `why` says what is missing.
     Undecided,

@@ -1,7 +1,8 @@
 //! The verdict where nothing is claimed: an all-clear that is earned, or that these data cannot say.
 //!
-//! An all-clear needs repeats that show the repeatability, a residual and a held-out error no larger than they and the natural motions of a
-//! machine allow, and no effect that has anything to say for it. It states the size of effect that would have been noticed.
+//! An all-clear needs repeats that show the repeatability, a residual and a held-out error no larger than they allow, no pattern that comes
+//! back and is larger than the repeatability, and no effect that has anything to say for it. It states the size of effect that would have
+//! been noticed.
 
 use crate::diagnosis::judged::{LearnedNoise, Verdict};
 use crate::diagnosis::named::{BARE_MENTION_LN, price_ln};
@@ -18,8 +19,8 @@ use trunnion_core::statistics::upper_median;
 
 /// Every machine has repeatable motions; up to this times the noise of a single reading they are no finding.
 const NATURAL_PATTERN: f64 = 1.5;
-/// Share of what exceeds the repeatability that a pattern that comes back must make up to be called one: the larger part.
-const PATTERN_SHARE: f64 = 0.5;
+/// Share of what exceeds the repeatability that must come back, or wander, to be what makes it up: the larger part.
+const LARGER_PART: f64 = 0.5;
 /// An effect is noticed in half of the cases where ½ z² reaches its price, almost always at 1.4 times that.
 const ALMOST_ALWAYS: f64 = 1.4;
 /// Usual size of an effect over the white noise: the lower median of the eight sizes that every effect is weighed at
@@ -63,31 +64,50 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
         );
     }
     let (rms_um, noise_um) = (um_from_mm(fit.rms_mm), um_from_mm(repeatability.sigma_mm));
+    let sizes = noise_sizes(scan, found.last.null.x());
+    if comes_back(&sizes, fit) {
+        return pattern(sizes.pattern_um, noise_um);
+    }
     match (repeatability.allows(fit.rms_mm), units_differ(fit)) {
         (true, None) => return (Verdict::NoiseFloor, String::new(), String::new()),
         (true, Some(why)) => return undecided(why, NextCycle::REPEAT_THIS_PASS),
         (false, _) => {}
     }
-    let sizes = noise_sizes(scan, found.last.null.x());
     let excess = rms_um.powi(2) - noise_um.powi(2);
     // What looks white next to all kernels and yet comes back in repeats is a pattern finer than they are.
     let fine = (sizes.white_um.powi(2) - noise_um.powi(2)).max(0.0);
-    let pattern = sizes.pattern_um.powi(2) + fine;
-    if pattern > PATTERN_SHARE * excess {
-        let why = format!(
-            "A pattern over the positions of some {:.2} µm comes back in repeats (repeatability {noise_um:.2} µm). No effect or \
-             expression describes it.",
-            pattern.sqrt()
-        );
-        let next =
-            "Measure the same positions with half the step: a finer grid shows the form of the pattern.";
-        return (Verdict::UnnamedStructure, why, next.into());
+    let square_of_pattern = sizes.pattern_um.powi(2) + fine;
+    if square_of_pattern > LARGER_PART * excess {
+        return pattern(square_of_pattern.sqrt(), noise_um);
     }
+    let larger = format!("The residual, {rms_um:.2} µm, is larger than repeats allow ({noise_um:.2} µm).");
+    let wanders = sizes.passes_um.powi(2) + sizes.stations_um.powi(2) + sizes.drift_um.powi(2);
+    if square_of_pattern + wanders > LARGER_PART * excess {
+        let why =
+            format!("{larger} It wanders with time or differs from pass to pass. No effect explains it.");
+        return undecided(why, "Repeat this pass after the machine has run warm, without a pause.");
+    }
+    // Repeats exclude single differences that are far; what a fit keeps of them is no pattern and does not wander.
     let why = format!(
-        "The residual, {rms_um:.2} µm, is larger than repeats allow ({noise_um:.2} µm). It wanders with time or differs from \
-         pass to pass. No effect explains it."
+        "{larger} Single readings, or a few in a row, scatter more than the others. No effect explains it."
     );
-    undecided(why, "Repeat this pass after the machine has run warm, without a pause.")
+    undecided(why, "Look for what disturbed these readings, then repeat this pass.")
+}
+
+/// A pattern that no name and no expression describes.
+fn pattern(pattern_um: f64, noise_um: f64) -> (Verdict, String, String) {
+    let why = format!(
+        "A pattern over the positions of some {pattern_um:.2} µm comes back in repeats (repeatability {noise_um:.2} µm). No effect or \
+         expression describes it."
+    );
+    let next = "Measure the same positions with half the step: a finer grid shows the form of the pattern.";
+    (Verdict::UnnamedStructure, why, next.into())
+}
+
+/// True where repeats show that a pattern which comes back is larger than what differs from visit to visit. More than half of the mean
+/// square is then no noise, and the same in the next run; a residual says nothing of it, as what wanders is in it too.
+fn comes_back(sizes: &LearnedNoise, fit: &Identification) -> bool {
+    fit.known_repeatability().is_some_and(|known| sizes.pattern_um > um_from_mm(known.sigma_mm))
 }
 
 /// Why a fit leaves more than noise although its residual is no larger than repeats allow: what was left out is what the user meets next,
@@ -110,11 +130,11 @@ pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
 }
 
 /// True where the pattern that remains next to all that was found, and the scatter from stop to stop, are no larger than natural: what an
-/// effect without a name does at every stop of an axis looks like either.
-pub fn remainder_is_natural(scan: &Scan<'_>, found: &Found) -> bool {
+/// effect without a name does at every stop of an axis looks like either. Never where the model with all of it would get no all-clear.
+pub fn remainder_is_natural(scan: &Scan<'_>, fit: &Identification, found: &Found) -> bool {
     let sizes = noise_sizes(scan, found.last.null.x());
-    sizes.pattern_um.max(sizes.stations_um)
-        <= NATURAL_PATTERN * sizes.white_um * scan.remainder.kernels.single
+    let natural_um = NATURAL_PATTERN * sizes.white_um * scan.remainder.kernels.single;
+    sizes.pattern_um.max(sizes.stations_um) <= natural_um && !comes_back(&sizes, fit)
 }
 
 /// Effects with something to say for them that is worth more than a bare mention, where together they are worth more than that.

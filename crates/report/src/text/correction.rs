@@ -65,7 +65,7 @@ pub fn correction_text(answer: &Correction) -> String {
 fn first_sentence(answer: &Correction) -> String {
     let axes: Vec<&str> = answer.axes.iter().map(|axis| axis.axis.as_str()).collect();
     let model = match answer.verdict {
-        Verdict::NoiseFloor => "The model leaves nothing but noise.",
+        Verdict::NoiseFloor => "No effect is missing from the model that these data can show.",
         Verdict::Undecided => "Whether the model leaves something is undecided.",
         Verdict::MissingEffect | Verdict::UnnamedStructure => {
             "The model is inadequate: it lacks something, and so does the correction."

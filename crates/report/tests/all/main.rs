@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+mod all_clear;
 mod compensation_formats;
 mod filed;
 mod pages;

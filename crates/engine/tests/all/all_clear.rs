@@ -1,0 +1,50 @@
+//! What comes back at the poses is no noise: an all-clear needs it to be smaller than what repeats differ by.
+
+use crate::common::points_run;
+use std::f64::consts::TAU;
+use trunnion_core::Joint;
+use trunnion_effects::Model;
+use trunnion_engine::diagnosis::Options;
+use trunnion_engine::{Diagnosis, Experiment, Verdict, diagnose};
+
+/// The run without a hidden effect (0.3 µm from reading to reading) with a smooth pattern over B and C that no effect and no expression is:
+/// eight waves of one size for every probe.
+fn with_pattern(wave_um: f64) -> Diagnosis {
+    let mut run = points_run("points-nothing-hidden");
+    for point in &mut run.points {
+        let (b, c) = (point.state.position[Joint::B], point.state.position[Joint::C]);
+        for (k, reading_mm) in point.reading_mm.iter_mut().enumerate() {
+            for m in 1..=8 {
+                let (along_b, along_c) = (0.6 + 0.35 * f64::from(m), f64::from(m % 4 + 1));
+                let phase = TAU * (0.618_033_988_749_895 * (8.0 * k as f64 + f64::from(m))).fract();
+                *reading_mm += wave_um * 1e-3 * (along_b * b + along_c * c + phase).cos();
+            }
+        }
+    }
+    let model = Model::base(&run.machine.name);
+    diagnose(&Experiment::new(&[run]).unwrap(), &model, &Options::default()).unwrap()
+}
+
+/// The residual is 1.6 times the repeatability: less than what wanders may be.
+#[test]
+fn a_pattern_that_is_larger_than_the_repeatability_gets_no_all_clear() {
+    let found = with_pattern(0.225);
+    let noise_um = found.residual.noise_um.expect("every pose was measured twice");
+    assert!((found.residual.rms_um / noise_um - 1.6).abs() < 0.1, "{:?}", found.residual);
+    assert_eq!(found.verdict, Verdict::UnnamedStructure, "{}", found.why);
+    assert!(
+        found.noise.pattern_um > noise_um && found.why.contains("comes back in repeats"),
+        "{}",
+        found.why
+    );
+    assert!(found.next_cycle.is_some());
+}
+
+#[test]
+fn a_smaller_pattern_is_natural_and_its_size_is_known() {
+    let found = with_pattern(0.1);
+    assert_eq!(found.verdict, Verdict::NoiseFloor, "{}", found.why);
+    let noise_um = found.residual.noise_um.expect("every pose was measured twice");
+    let pattern_um = found.noise.pattern_um;
+    assert!(pattern_um < noise_um && (pattern_um - 0.2).abs() < 0.08, "put in 0.18 µm, found {pattern_um}");
+}
