@@ -26,7 +26,8 @@ pub use diagnosis::{diagnose, diagnose_problem};
 pub use fit::between_runs::{BetweenRuns, between_runs};
 pub use fit::doubts::{Doubt, doubts};
 pub use fit::identification::{
-    FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, NoisePart, Outlier, Repeatability,
+    Approach, FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, NoisePart, Outlier,
+    Repeatability,
 };
 pub use fit::identify;
 pub use fit::options::{HeldOut, IdentifyError, Outliers, Uncertainties};

@@ -63,7 +63,7 @@ pub(crate) fn sure(input: &Comparison) -> Vec<String> {
 }
 
 fn noise(diagnosis: &Diagnosis) -> String {
-    let known = repeatability(diagnosis.residual.noise_um);
+    let known = repeatability(diagnosis.residual.noise_um, diagnosis.residual.noise_readings);
     match (diagnosis.explained().map(percent), diagnosis.verdict) {
         (Some(share), _) => {
             format!("What was found explains {share} of the mean square of the residual; {known}.")

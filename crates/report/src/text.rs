@@ -229,7 +229,7 @@ pub fn diagnosis_text(input: &Comparison) -> String {
     out += &format!(
         "Residual {} rms ({}); held-out error {}{explained}.\n",
         um(residual.rms_um),
-        repeatability(residual.noise_um),
+        repeatability(residual.noise_um, residual.noise_readings),
         held_out(residual.holdout_rms_um, residual.holdout_unit),
     );
     out += &paragraph(&diagnosis.why);

@@ -73,7 +73,7 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
                     "The readings differ from what the model predicts by {} rms ({}): \
                      part of this is significant, and no effect of the catalogue describes it.",
                     um(diagnosis.residual.rms_um),
-                    repeatability(diagnosis.residual.noise_um)
+                    repeatability(diagnosis.residual.noise_um, diagnosis.residual.noise_readings)
                 ));
                 sentences.extend(formula.as_ref().map(|formula| unnamed(diagnosis, formula)));
                 sentences.extend(why(diagnosis));
@@ -135,7 +135,7 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
     sentences.push(format!(
         "The model leaves {} rms ({}); nothing in it points at a further cause.",
         um(diagnosis.residual.rms_um),
-        repeatability(diagnosis.residual.noise_um)
+        repeatability(diagnosis.residual.noise_um, diagnosis.residual.noise_readings)
     ));
     sentences.extend(noticeable(diagnosis));
     sentences.extend(remaining_pattern(diagnosis));
@@ -211,7 +211,7 @@ fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
     sentences.push(format!(
         "With this effect in the model the residual {} rms ({}).",
         goes(diagnosis.residual.rms_um, best.rms_um_after),
-        repeatability(diagnosis.residual.noise_um)
+        repeatability(diagnosis.residual.noise_um, diagnosis.residual.noise_readings)
     ));
     sentences.push(match (best.adequate, best.confused_with.is_empty()) {
         (true, true) => {
@@ -280,7 +280,7 @@ fn several(diagnosis: &Diagnosis, found: &[&Candidate], together: &Together) -> 
         "With these {} effects in the model the residual {} rms ({}).",
         found.len(),
         goes(diagnosis.residual.rms_um, together.rms_um_after),
-        repeatability(diagnosis.residual.noise_um)
+        repeatability(diagnosis.residual.noise_um, diagnosis.residual.noise_readings)
     ));
     let is_confounded = found.iter().any(|one| !one.confused_with.is_empty());
     sentences.push(match (together.adequate, is_confounded) {

@@ -77,6 +77,9 @@ pub struct Residual {
     pub holdout_unit: Option<LeftOut>,
     /// Repeatability of a reading, µm per component; null where no pose was measured twice.
     pub noise_um: Option<f64>,
+    /// Readings averaged in one of which `noise_um` is the scatter, the mean: 1 for single readings; null where it is.
+    #[serde(default)]
+    pub noise_readings: Option<f64>,
     /// Share of the residual's mean square that all that was found together leaves, 0…1; 1 where nothing was found, null where nothing was
     /// judged.
     pub unexplained_fraction: Option<f64>,

@@ -17,6 +17,7 @@ impl From<&engine::Diagnosis> for Diagnosis {
             holdout_rms_um: diagnosis.residual.holdout_rms_um.and_then(finite),
             holdout_unit: diagnosis.residual.holdout_unit.map(LeftOut::from),
             noise_um: diagnosis.residual.noise_um.and_then(finite),
+            noise_readings: diagnosis.residual.noise_readings.and_then(finite),
             unexplained_fraction: finite(diagnosis.residual.unexplained_fraction),
         };
         Self {

@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 use trunnion_core::convert::um_from_mm;
 use trunnion_engine as engine;
 
+pub use trunnion_engine::Approach;
+
 /// `trunnion-identification/1`: the answer of a fit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Identification {
@@ -36,6 +38,12 @@ pub struct Identification {
     pub noise_um: Option<f64>,
     /// Where `noise_um` comes from.
     pub noise_origin: Option<NoiseOrigin>,
+    /// From which sides axes came to the poses behind `noise_um`; null where it is.
+    #[serde(default)]
+    pub noise_approach: Option<Approach>,
+    /// Readings averaged in one of which `noise_um` is the scatter, the mean: 1 for single readings; null where it is.
+    #[serde(default)]
+    pub noise_readings: Option<f64>,
     /// How many times a pose was measured again.
     pub repeats: Option<usize>,
     /// Degrees of freedom behind `noise_um`.
@@ -262,6 +270,8 @@ impl From<&engine::Identification> for Identification {
             rms_um: um_from_mm(fit.rms_mm),
             noise_um: fit.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
             noise_origin: fit.repeatability.map(|_| NoiseOrigin::Repeats),
+            noise_approach: fit.repeatability.map(|noise| noise.approach),
+            noise_readings: fit.repeatability.map(|noise| noise.readings),
             repeats: fit.repeatability.map(|noise| noise.repeats),
             noise_degrees_of_freedom: fit.repeatability.map(|noise| noise.degrees_of_freedom),
             u_origin: match fit.noise_parts.is_empty() {

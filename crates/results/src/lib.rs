@@ -84,8 +84,8 @@ pub use findings::{
 pub use forecast::{DayForecast, ForecastFormat, ForecastValue};
 pub use history::{HistoryFormat, HistoryRun, MachineHistory, RunChange, Watched, WatchedPoint};
 pub use identification::{
-    Combination, Identification, IdentificationFormat, LeftOut, NoiseOfRun, NoiseOrigin, NoisePart, Outlier,
-    Parameter, Shape, Term, UncertaintyOrigin, Unobservable,
+    Approach, Combination, Identification, IdentificationFormat, LeftOut, NoiseOfRun, NoiseOrigin, NoisePart,
+    Outlier, Parameter, Shape, Term, UncertaintyOrigin, Unobservable,
 };
 pub use json::{to_json, to_json_line};
 pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Removal, Removed};

@@ -6,8 +6,8 @@ pub use symbols::{error_in_words, is_location, setting_in_words, unnumbered_loca
 
 use crate::number::{degrees, justified, plain, um, unit_on_screen};
 use crate::{
-    Candidate, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Missing, Moved, Parameter,
-    PlannedCycle, Plausibility, Residual, Samples, ShapeNumber, Verdict,
+    Approach, Candidate, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Missing, Moved,
+    Parameter, PlannedCycle, Plausibility, Residual, Samples, ShapeNumber, Verdict,
 };
 use std::f64::consts::LN_10;
 use symbols::location_words;
@@ -213,7 +213,7 @@ pub fn beyond_catalogue(candidate: &Candidate, residual: &Residual) -> String {
     let falls = format!(
         "With it alone the error {} ({held_out}{}).",
         goes(residual.rms_um, candidate.rms_um_after),
-        repeatability(residual.noise_um)
+        repeatability(residual.noise_um, residual.noise_readings)
     );
     let remains = match candidate.adequate {
         true => "Nothing structured remains.",
@@ -279,18 +279,38 @@ pub fn formula_shape(formula: &FormulaProposal) -> String {
 
 /// Where the repeatability of a fit comes from.
 pub fn noise_origin(fit: &Identification) -> String {
+    let side = match fit.noise_approach {
+        Some(Approach::OneSide) => ", those from one side",
+        Some(Approach::BothSides) => ", all from both sides",
+        Some(Approach::NoMatter) | None => "",
+    };
     fit.repeats.map_or_else(
         || "not known: no pose was measured twice".into(),
-        |repeats| format!("poses measured more than once, {repeats} repeats"),
+        |repeats| {
+            let means = of_means(fit.noise_readings);
+            format!("poses measured more than once, {repeats} repeats{side}{means}")
+        },
     )
 }
 
-/// How well readings repeat, for a bracket.
-pub fn repeatability(noise_um: Option<f64>) -> String {
+/// How well readings repeat, for a bracket; `readings`: how many are averaged in one.
+pub fn repeatability(noise_um: Option<f64>, readings: Option<f64>) -> String {
     noise_um.map_or_else(
         || "repeatability not known: no pose was measured twice".into(),
-        |noise_um| format!("repeatability {}", um(noise_um)),
+        |noise_um| format!("repeatability {}{}", um(noise_um), of_means(readings)),
     )
+}
+
+/// What a figure is of, where it is not one of single readings.
+fn of_means(readings: Option<f64>) -> String {
+    let count = readings.map_or_else(String::new, |readings| match readings {
+        few if few < 10.0 => format!("{few:.1}").trim_end_matches(".0").into(),
+        many => format!("{many:.0}"),
+    });
+    match count.as_str() {
+        "" | "1" => String::new(),
+        count => format!(", of means of {count} readings"),
+    }
 }
 
 /// How far the numbers of an inadequate model hold; `None` where nothing shows that it is one.
@@ -299,7 +319,7 @@ pub fn inadequate(fit: &Identification) -> Option<String> {
         format!(
             "These numbers hold only as far as the model does: it leaves {} rms ({}).",
             um(fit.rms_um),
-            repeatability(fit.noise_um)
+            repeatability(fit.noise_um, fit.noise_readings)
         )
     })
 }
@@ -324,6 +344,23 @@ mod tests {
         assert_eq!(said(4.5), "It is significant: about 30000 to one");
         assert_eq!(said(5.999), "It is significant: about 1000000 to one");
         assert_eq!(said(2.0), "It is probably significant: 100 to one");
+    }
+
+    #[test]
+    fn a_repeatability_of_means_says_of_how_many() {
+        let said = |readings: f64| repeatability(Some(0.386), Some(readings));
+        assert_eq!(said(1.0), "repeatability 0.39 µm");
+        assert_eq!(said(1.46), "repeatability 0.39 µm, of means of 1.5 readings");
+        assert_eq!(said(119.7), "repeatability 0.39 µm, of means of 120 readings");
+        let fit = Identification {
+            repeats: Some(168),
+            noise_approach: Some(Approach::BothSides),
+            noise_readings: Some(2.0),
+            ..Identification::default()
+        };
+        let origin =
+            "poses measured more than once, 168 repeats, all from both sides, of means of 2 readings";
+        assert_eq!(noise_origin(&fit), origin);
     }
 
     #[test]

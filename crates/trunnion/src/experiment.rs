@@ -86,10 +86,10 @@ impl Experiment {
         Self::of_runs(read)
     }
 
-    fn of_runs(Runs { runs, planned, samples, files, plate }: Runs) -> Result<Self, Error> {
+    fn of_runs(Runs { runs, readings, planned, samples, files, plate }: Runs) -> Result<Self, Error> {
         let (complete, not_whole) = completeness::complete(&runs, &planned);
         let complete = results::Complete { samples, ..complete };
-        let points = trunnion_engine::Experiment::new(&runs)?;
+        let points = trunnion_engine::Experiment::new(&runs)?.of_means(&readings);
         let implausible = OnceLock::new();
         Ok(Self { opened: Arc::new(Opened { runs, plate, points, files, implausible, complete, not_whole }) })
     }

@@ -29,6 +29,8 @@ pub struct Recording {
     pub run: Run,
     /// How many points became how few; `None` when every point is as recorded.
     pub reduction: Option<String>,
+    /// Readings at rest that its points are means of; `None` where every point at rest is as read.
+    pub means_of: Option<u64>,
     /// What its cycle asks for, and what became of it; `None` when it carries no cycle.
     pub planned: Option<Planned>,
     /// What is missing from it: the gaps in what was asked of the devices.
@@ -122,9 +124,10 @@ fn gather(
         unpack.join().expect("a panic of the reading thread ends the program")
     });
     let (start, damage, samples) = read?;
-    let (points, reduction, planned, gaps) = points.finish();
+    let (Kept { points, reduction, means_of }, planned, gaps) = points.finish();
     let timing = timing.map(|timing| timing.quality);
-    Ok(Recording { run: start.run(points), reduction, planned, gaps, damage, timing, samples, plate })
+    let run = start.run(points);
+    Ok(Recording { run, reduction, means_of, planned, gaps, damage, timing, samples, plate })
 }
 
 /// Hands over the points that the samples give with the clocks of the whole run.
@@ -232,6 +235,13 @@ struct Points {
     gaps: Gaps,
 }
 
+/// Points of a run as they go into a fit; the fields as in [`Recording`].
+struct Kept {
+    points: Vec<Point>,
+    reduction: Option<String>,
+    means_of: Option<u64>,
+}
+
 enum Reducing {
     Blocks(Box<Reducer<Nominal>>),
     Stations(Box<Stations<Nominal>>),
@@ -253,16 +263,17 @@ impl Reducing {
         }
     }
 
-    fn finish(self) -> (Vec<Point>, String) {
+    fn finish(self) -> Kept {
         match self {
             Self::Blocks(blocks) => {
                 let mut reduction = blocks.finish();
-                (std::mem::take(&mut reduction.points), reduction.summary())
+                let points = std::mem::take(&mut reduction.points);
+                Kept { points, reduction: Some(reduction.summary()), means_of: None }
             }
             Self::Stations(stations) => {
                 let reduced = stations.finish();
-                let summary = reduced.summary();
-                (reduced.points, summary)
+                let (reduction, means_of) = (Some(reduced.summary()), Some(reduced.read - reduced.missing));
+                Kept { points: reduced.points, reduction, means_of }
             }
         }
     }
@@ -293,13 +304,13 @@ impl Points {
         }
     }
 
-    fn finish(mut self) -> (Vec<Point>, Option<String>, Option<Planned>, Vec<Gap>) {
+    fn finish(mut self) -> (Kept, Option<Planned>, Vec<Gap>) {
         let gaps = self.gaps.finish();
         if let Some(reducing) = self.reducing {
-            let (points, summary) = reducing.finish();
-            return (points, Some(summary), self.planned, gaps);
+            return (reducing.finish(), self.planned, gaps);
         }
         self.kept.sort_by_key(|(index, _)| *index);
-        (self.kept.into_iter().map(|(_, point)| point).collect(), None, self.planned, gaps)
+        let points = self.kept.into_iter().map(|(_, point)| point).collect();
+        (Kept { points, reduction: None, means_of: None }, self.planned, gaps)
     }
 }

@@ -162,7 +162,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
             swept.path.display(),
             fit.points,
             um(fit.rms_um),
-            repeatability(fit.noise_um),
+            repeatability(fit.noise_um, fit.noise_readings),
         ))?;
         Some(fit)
     };

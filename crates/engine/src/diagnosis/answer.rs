@@ -103,6 +103,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
             holdout_rms_um: fit.holdout_rms_mm().map(um_from_mm),
             holdout_unit: fit.holdout.map(|holdout| holdout.left_out),
             noise_um: fit.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
+            noise_readings: fit.repeatability.map(|noise| noise.readings),
             unexplained_fraction: explained.by_nothing(),
         },
         verdict,

@@ -52,6 +52,8 @@ pub struct ResidualSummary {
     pub holdout_unit: Option<LeftOut>,
     /// Repeatability of a reading, µm per component; `None` where no pose was measured twice.
     pub noise_um: Option<f64>,
+    /// Readings averaged in one of which that is the scatter.
+    pub noise_readings: Option<f64>,
     /// Share of the residual's mean square that all that was found together leaves, 0…1; 1 where nothing was found.
     pub unexplained_fraction: f64,
 }
@@ -67,6 +69,7 @@ impl Diagnosis {
                 holdout_rms_um: fit.holdout_rms_mm().map(um_from_mm),
                 holdout_unit: fit.holdout.map(|holdout| holdout.left_out),
                 noise_um: fit.repeatability.map(|noise| um_from_mm(noise.sigma_mm)),
+                noise_readings: fit.repeatability.map(|noise| noise.readings),
                 unexplained_fraction: f64::NAN,
             },
             verdict: Verdict::NotJudged,

@@ -8,6 +8,8 @@ use crate::problem::folds::LeftOut;
 use crate::solve::combinations::Combination;
 use crate::solve::direction::{Status, Unobservable};
 use nalgebra::{DMatrix, DVector};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use trunnion_core::InstrumentKind;
 use trunnion_effects::Unit;
 
@@ -120,6 +122,22 @@ pub struct Repeatability {
     pub repeats: usize,
     /// Degrees of freedom behind the figure.
     pub degrees_of_freedom: usize,
+    /// Whether the side from which axes came to a pose is in it.
+    pub approach: Approach,
+    /// Readings that are averaged in one of which this is the scatter, the mean: 1 for single readings.
+    pub readings: f64,
+}
+
+/// From which sides axes came to the poses whose visits say how readings repeat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Approach {
+    /// From any: visits from one side differ no less.
+    NoMatter,
+    /// From one side: visits from both differ by more.
+    OneSide,
+    /// From both: no pose was visited twice from one side, so that backlash counts as scatter.
+    BothSides,
 }
 
 /// A part of a machine's noise.

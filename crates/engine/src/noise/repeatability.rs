@@ -4,20 +4,28 @@
 //! differences removes what the two passes have in common or what drifts between them slowly (backlash of the fast axis, thermal
 //! drift). Of the readings, not of a residual: at one commanded pose every error of position and mounting is the same, so no model
 //! enters, and every model of a recording shares one figure. Pairs longer than 5 robust standard deviations are excluded.
-//! Limits: white from pose to pose; direction-dependent errors that change within one step of the fast axis count as scatter.
+//!
+//! A pose that an axis comes to from the other side repeats with the backlash of that axis. Where visits from one side differ less than
+//! all visits, by more than chance, they alone say how readings repeat (unidirectional repeatability, ISO 230-2).
+//! Limits: white from pose to pose; where no pose is visited twice from one side, direction-dependent errors that change within one step
+//! of the fast axis count as scatter. Where points are means of several readings, the figure is that of such means.
 
 use crate::Experiment;
-use crate::fit::identification::Repeatability;
+use crate::fit::identification::{Approach, Repeatability};
 use crate::noise::learned::display::{Display, nominal_mm};
 use crate::problem::passes::Passes;
 use nalgebra::Vector3;
 use std::collections::HashMap;
+use trunnion_core::AxisValues;
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 
 /// Fewer differences than this say nothing.
 const FEWEST: usize = 6;
 /// A difference of differences beyond this many robust standard deviations holds an outlier; as for points of a fit.
 const SIGMAS: f64 = 5.0;
+/// Two variances differ when the logarithm of their ratio is so many of its standard deviations, √(2/ν₁ + 2/ν₂), from zero: one in 700 by
+/// chance [normal distribution].
+const SURE: f64 = 3.0;
 
 /// A pose measured again.
 struct Repeat {
@@ -30,26 +38,33 @@ struct Repeat {
 
 /// `None` where too few poses were measured again to say.
 pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<Repeatability> {
-    let repeats = repeats(experiment, passes);
-    let differences_mm: Vec<f64> = differences(&repeats).map(|(_, d)| d).collect();
-    let (sigma_mm, count) = scatter(&differences_mm)?;
+    let (all, from_one_side) = (repeats(experiment, passes, false), repeats(experiment, passes, true));
+    let of_all = Scatter::of(&all)?;
+    let of_one_side = Scatter::of(&from_one_side);
+    let (scatter, approach) = match of_one_side {
+        Some(of_one_side) if of_all.is_larger_than(&of_one_side) => (of_one_side, Approach::OneSide),
+        // Where they differ by no more than chance, the larger number of visits says more.
+        Some(_) => (of_all, Approach::NoMatter),
+        None => (of_all, Approach::BothSides),
+    };
     // Equal readings of a coarse display repeat no better than its step.
     let hidden_mm = Display::of(experiment).map_or(0.0, |display| display.hidden_mm());
     Some(Repeatability {
-        sigma_mm: sigma_mm.max(hidden_mm),
-        repeats: repeats.len(),
-        // Neighbouring differences share a visit: about two thirds as many degrees of freedom.
-        degrees_of_freedom: count * 2 / 3,
+        sigma_mm: scatter.sigma_mm.max(hidden_mm),
+        repeats: all.len(),
+        degrees_of_freedom: scatter.degrees_of_freedom(),
+        approach,
+        readings: experiment.readings_of_point(),
     })
 }
 
 /// The same of every channel by itself, mm; `None` for one that does not say.
 pub(crate) fn of_channels_mm(experiment: &Experiment, passes: &Passes) -> Vec<Option<f64>> {
-    let repeats = repeats(experiment, passes);
+    let repeats = repeats(experiment, passes, false);
     let channels = repeats.iter().map(|repeat| repeat.difference_mm.len()).max().unwrap_or(0);
     let of_channel = |channel: usize| {
         let own: Vec<f64> = differences(&repeats).filter(|(k, _)| *k == channel).map(|(_, d)| d).collect();
-        scatter(&own).map(|(sigma_mm, _)| sigma_mm)
+        Scatter::of_differences(&own).map(|scatter| scatter.sigma_mm)
     };
     (0..channels).map(of_channel).collect()
 }
@@ -62,15 +77,39 @@ fn differences(repeats: &[Repeat]) -> impl Iterator<Item = (usize, f64)> {
     })
 }
 
-/// σ, mm, and the number of differences that are no outliers.
-fn scatter(differences_mm: &[f64]) -> Option<(f64, usize)> {
-    let sizes_mm: Vec<f64> = differences_mm.iter().map(|d| d.abs()).collect();
-    let robust_mm = upper_median(&sizes_mm).unwrap_or(0.0) / MEDIAN_OF_NORMAL;
-    // Coarse readings may repeat exactly at most poses: then no distance is far.
-    let near = sizes_mm.iter().filter(|size| robust_mm == 0.0 || **size <= SIGMAS * robust_mm);
-    let (count, squares) =
-        near.fold((0_usize, 0.0), |(count, squares), size| (count + 1, squares + size * size));
-    (count >= FEWEST).then(|| ((squares / 4.0 / count as f64).sqrt(), count))
+/// How differences scatter.
+struct Scatter {
+    sigma_mm: f64,
+    /// Differences that are no outliers.
+    count: usize,
+}
+
+impl Scatter {
+    fn of(repeats: &[Repeat]) -> Option<Self> {
+        Self::of_differences(&differences(repeats).map(|(_, d)| d).collect::<Vec<_>>())
+    }
+
+    fn of_differences(differences_mm: &[f64]) -> Option<Self> {
+        let sizes_mm: Vec<f64> = differences_mm.iter().map(|d| d.abs()).collect();
+        let robust_mm = upper_median(&sizes_mm).unwrap_or(0.0) / MEDIAN_OF_NORMAL;
+        // Coarse readings may repeat exactly at most poses: then no distance is far.
+        let near = sizes_mm.iter().filter(|size| robust_mm == 0.0 || **size <= SIGMAS * robust_mm);
+        let (count, squares) =
+            near.fold((0_usize, 0.0), |(count, squares), size| (count + 1, squares + size * size));
+        (count >= FEWEST).then(|| Self { sigma_mm: (squares / 4.0 / count as f64).sqrt(), count })
+    }
+
+    /// Neighbouring differences share a visit: about two thirds as many as differences.
+    fn degrees_of_freedom(&self) -> usize {
+        self.count * 2 / 3
+    }
+
+    /// By more than chance.
+    fn is_larger_than(&self, other: &Self) -> bool {
+        let chance =
+            [self, other].map(|one| 2.0 / one.degrees_of_freedom() as f64).iter().sum::<f64>().sqrt();
+        2.0 * (self.sigma_mm / other.sigma_mm).ln() > SURE * chance
+    }
 }
 
 /// Reading minus what a machine without errors would read, mm.
@@ -78,11 +117,14 @@ fn deviation_mm(experiment: &Experiment, i: usize) -> Vector3<f64> {
     Vector3::from(experiment.points[i].reading_mm) - nominal_mm(experiment, i)
 }
 
-fn repeats(experiment: &Experiment, passes: &Passes) -> Vec<Repeat> {
+/// Every visit of a pose with the one before it: of any direction, or of those from the same side in every axis.
+fn repeats(experiment: &Experiment, passes: &Passes, from_one_side: bool) -> Vec<Repeat> {
     let mut last_visit = HashMap::new();
     let mut repeats = Vec::new();
     for (i, pose) in experiment.poses().into_iter().enumerate() {
-        let key = (experiment.run_of_point[i], pose);
+        let side = |direction: AxisValues<f64>| direction.0.map(|way| (way > 0.0, way < 0.0));
+        let from = from_one_side.then(|| side(experiment.points[i].state.direction));
+        let key = (experiment.run_of_point[i], pose, from);
         let Some(first) = last_visit.insert(key, i) else { continue };
         let readings = 0..experiment.rows_of(i).len();
         let (again_mm, first_mm) = (deviation_mm(experiment, i), deviation_mm(experiment, first));

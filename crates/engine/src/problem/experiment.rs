@@ -29,6 +29,8 @@ pub struct Experiment {
     pub runs: Vec<String>,
     /// Kind of each run.
     pub kinds: Vec<RunKind>,
+    /// Readings behind a point of each run at rest, the mean: more than 1 where points were reduced to means.
+    readings: Vec<f64>,
     first_row: Vec<usize>,
 }
 
@@ -44,8 +46,26 @@ impl Experiment {
         let components = |point: &Point| setups[point.state.setup].instrument.components().len();
         let first_row = first_rows(points.iter().map(components));
         let kinds = runs.iter().map(|run| run.kind).collect();
+        let readings = vec![1.0; runs.len()];
         let runs = runs.iter().map(|run| run.name.clone()).collect();
-        Self { scene, setups, points, run_of_point, runs, kinds, first_row }
+        Self { scene, setups, points, run_of_point, runs, kinds, readings, first_row }
+    }
+
+    /// The same, where points of runs at rest are means of so many readings more, one number for each run.
+    #[must_use]
+    pub fn of_means(mut self, readings: &[f64]) -> Self {
+        self.readings.iter_mut().zip(readings).for_each(|(mine, more)| *mine *= more);
+        self
+    }
+
+    /// Readings that are averaged in a point, the mean over all points; the samples of a block count each.
+    pub(crate) fn readings_of_point(&self) -> f64 {
+        let of_point = |(point, &run): (&Point, &usize)| match self.kinds[run] {
+            RunKind::OnTheFly => f64::from(point.samples.max(1)),
+            RunKind::Static => self.readings[run],
+        };
+        let sum: f64 = self.points.iter().zip(&self.run_of_point).map(of_point).sum();
+        sum / self.points.len().max(1) as f64
     }
 
     /// The same with some of its points only, one flag for each; ranges of the scene stay those of all.

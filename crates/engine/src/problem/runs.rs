@@ -68,7 +68,11 @@ impl Experiment {
             true => Cow::Owned(reduced(run)),
             false => Cow::Borrowed(run),
         });
-        Self::put_together(&fitted.collect::<Vec<_>>())
+        let fitted: Vec<Cow<'_, Run>> = fitted.collect();
+        let good = |run: &Run| run.good_points().count().max(1) as f64;
+        let readings: Vec<f64> =
+            runs.iter().zip(&fitted).map(|(run, fitted)| good(run) / good(fitted)).collect();
+        Ok(Self::put_together(&fitted)?.of_means(&readings))
     }
 
     /// As [`Self::new`], with every point as it is, however many.

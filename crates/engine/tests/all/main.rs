@@ -13,6 +13,7 @@ mod lines;
 mod nothing_hidden;
 mod null;
 mod outside_data;
+mod repeats;
 mod robot;
 mod scatter;
 mod shares;

@@ -345,6 +345,8 @@ pub const ENTRIES: &[[&str; 3]] = &[
     ["Condition number", "Konditionszahl", "条件数"],
     ["Degrees of freedom", "Freiheitsgrade", "自由度"],
     ["poses measured more than once, {} repeats", "mehrfach gemessene Stellungen, {} Wiederholungen", "再測定した姿勢、{} 回"],
+    ["poses measured more than once, {} repeats, those from one side", "mehrfach gemessene Stellungen, {} Wiederholungen, die von einer Seite", "再測定した姿勢、{} 回（同一方向からのもの）"],
+    ["poses measured more than once, {} repeats, all from both sides", "mehrfach gemessene Stellungen, {} Wiederholungen, alle von beiden Seiten", "再測定した姿勢、{} 回（すべて両方向から）"],
     ["not known: no pose was measured twice", "unbekannt: keine Stellung wurde zweimal gemessen", "不明：再測定した姿勢がない"],
     ["on passes left out of the fit", "auf zurückgehaltenen Durchgängen", "当てはめから除いたパスで評価"],
     ["on setups left out of the fit", "auf zurückgehaltenen Aufstellungen", "当てはめから除いた段取りで評価"],

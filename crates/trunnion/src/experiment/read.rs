@@ -45,6 +45,7 @@ fn read_next(
         return Ok(Recording {
             run,
             reduction: None,
+            means_of: None,
             planned,
             gaps: Vec::new(),
             damage: None,
@@ -109,6 +110,8 @@ impl OfFile {
 #[derive(Default)]
 pub(super) struct Runs {
     pub(super) runs: Vec<Run>,
+    /// Readings behind a point of each run at rest, the mean: 1 where every point is as read.
+    pub(super) readings: Vec<f64>,
     pub(super) planned: Vec<Option<completeness::Planned>>,
     pub(super) samples: Vec<results::Samples>,
     pub(super) files: Vec<OfFile>,
@@ -119,8 +122,12 @@ impl Runs {
     /// The next run from its files.
     pub(super) fn take(&mut self, parts: Vec<(PathBuf, Recording)>) {
         let (mut whole, mut planned, mut samples) = (None::<Run>, None, None::<SampleCounts>);
+        let (mut readings, mut points) = (0.0, 0.0);
         for (path, part) in parts {
-            let Recording { mut run, reduction, gaps, damage, timing, .. } = part;
+            let Recording { mut run, reduction, means_of, gaps, damage, timing, .. } = part;
+            let good = run.good_points().count() as f64;
+            readings += means_of.map_or(good, |count| count as f64);
+            points += good;
             self.files.push(OfFile { path, run: run.name.clone(), reduction, gaps, damage, timing });
             self.plate = std::mem::take(&mut self.plate).or(part.plate);
             // The plan of the last part counts those before it.
@@ -137,6 +144,7 @@ impl Runs {
         let Some(run) = whole else { return };
         self.samples.extend(samples.and_then(|counts| results::Samples::of(&run.name, &counts)));
         self.runs.push(run);
+        self.readings.push(if points > 0.0 { readings / points } else { 1.0 });
         self.planned.push(planned);
     }
 }

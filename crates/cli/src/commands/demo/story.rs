@@ -15,7 +15,7 @@ pub(super) fn story(analysed: &Analysed) -> String {
     let mut text = format!(
         "Base model (location errors and ball setting): {} rms remain ({}).\n",
         um(before.rms_um),
-        repeatability(before.noise_um),
+        repeatability(before.noise_um, before.noise_readings),
     );
     let steps = analysed.steps().iter().map(Some).chain([None]);
     for (diagnosed, step) in analysed.diagnoses().iter().zip(steps) {

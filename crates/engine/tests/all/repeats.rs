@@ -1,0 +1,72 @@
+//! The repeatability is that of visits from one side, where there are such, and says of what it is.
+
+use crate::common::points_run;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use trunnion_core::Joint;
+use trunnion_cycles::Run;
+use trunnion_effects::Model;
+use trunnion_engine::fit::Options;
+use trunnion_engine::{Approach, Experiment, Repeatability, identify};
+
+const WHITE_MM: f64 = 0.3e-3;
+
+/// White noise alone; the course of the run so often, one after the other. `backlash_mm`: of Y, half of it to either side.
+fn rounds(count: usize, backlash_mm: f64) -> Run {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut run = points_run("points-nothing-hidden");
+    let once = run.points.clone();
+    for round in 0..count {
+        for point in &once {
+            let mut point = point.clone();
+            point.state.time_s = point.state.time_s.map(|time_s| time_s + 2000.0 * round as f64);
+            let y_mm = 0.5 * backlash_mm * point.state.direction[Joint::Y];
+            // Into table axes: B does not turn Y.
+            let (sin_c, cos_c) = point.state.position[Joint::C].sin_cos();
+            let table = [sin_c * y_mm, cos_c * y_mm, 0.0];
+            point.reading_mm = table.map(|mm| {
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                mm + WHITE_MM * noise
+            });
+            run.points.push(point);
+        }
+    }
+    run.points.drain(..once.len());
+    run
+}
+
+fn repeatability(run: Run) -> Repeatability {
+    let model = Model::base(&run.machine.name);
+    let experiment = Experiment::new(&[run]).unwrap();
+    identify(&experiment, &model, &Options::default()).unwrap().repeatability.expect("repeats")
+}
+
+#[test]
+fn backlash_between_visits_from_both_sides_is_no_scatter_where_others_come_from_one() {
+    let with = repeatability(rounds(2, 3e-3));
+    assert_eq!(with.approach, Approach::OneSide);
+    assert!((with.sigma_mm / WHITE_MM - 1.0).abs() < 0.1, "{with:?}");
+    let without = repeatability(rounds(2, 0.0));
+    assert_eq!(without.approach, Approach::NoMatter);
+    assert!((without.sigma_mm / WHITE_MM - 1.0).abs() < 0.1, "{without:?}");
+}
+
+#[test]
+fn visits_that_all_come_from_both_sides_are_said_to() {
+    assert_eq!(repeatability(rounds(1, 0.0)).approach, Approach::BothSides);
+}
+
+/// More points than a fit takes at rest become means of neighbours.
+#[test]
+fn a_repeatability_of_means_says_of_how_many_readings() {
+    assert_eq!(repeatability(rounds(2, 0.0)).readings, 1.0);
+    let run = rounds(32, 0.0);
+    let points = run.points.len() as f64;
+    let experiment = Experiment::new(&[run]).unwrap();
+    let expected = points / experiment.points.len() as f64;
+    let fit = identify(&experiment, &Model::base("table-bc"), &Options::default()).unwrap();
+    let of_means = fit.repeatability.expect("repeats");
+    assert!(expected > 1.2 && (of_means.readings - expected).abs() < 1e-9, "{of_means:?}, {expected}");
+    assert!(of_means.sigma_mm < 0.97 * WHITE_MM, "{of_means:?}");
+}
