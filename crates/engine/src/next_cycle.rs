@@ -25,10 +25,10 @@ mod rivals;
 mod separation;
 mod utility;
 
-pub use advice::advise;
+pub use advice::{advise, next};
 pub use answer::{Considered, LeftOpen, Plan};
 pub use choose::{plan, plan_problem};
 pub use options::{Options, PlanError};
-pub use planned::PlannedCycle;
+pub use planned::{Goal, PlannedCycle};
 pub use preview::{Alias, Preview, preview};
-pub use rivals::{Rivals, rivals_named, wanted};
+pub use rivals::{Rivals, rivals_named};

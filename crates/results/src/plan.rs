@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::LN_10;
 use trunnion_engine::next_cycle;
 
+pub use trunnion_engine::next_cycle::Goal;
+
 /// `trunnion-plan/1`: the next cycle. Separations are log₁₀ of expected Bayes factors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Plan {
@@ -40,16 +42,6 @@ pub enum PlanFormat {
     #[default]
     #[serde(rename = "trunnion-plan/1")]
     V1,
-}
-
-/// What a cycle is planned for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Goal {
-    /// To separate effects that explain the present data equally well.
-    Separate,
-    /// To show effects that the present cycle does not show.
-    Reveal,
 }
 
 /// The chosen cycle.
@@ -98,18 +90,17 @@ pub struct Considered {
 
 impl From<&next_cycle::Plan> for Plan {
     fn from(plan: &next_cycle::Plan) -> Self {
-        let best = plan.considered.first();
         Self {
             format: PlanFormat::V1,
-            goal: if plan.separates { Goal::Separate } else { Goal::Reveal },
+            goal: plan.goal,
             effects: plan.effects.clone(),
             never_shown: plan.never_shown.clone(),
             separation_before: plan.before_ln / LN_10,
-            next: plan.next.as_ref().map(|cycle| NextPlanned {
+            next: plan.planned.as_ref().map(|cycle| NextPlanned {
                 name: cycle.name.clone(),
-                minutes: best.map(|row| row.minutes),
-                separation_after: best.map(|row| row.separation_ln / LN_10),
-                cycle: cycle.to_text(),
+                minutes: Some(cycle.minutes),
+                separation_after: cycle.separation,
+                cycle: cycle.file.clone(),
             }),
             left_open: plan
                 .left_open

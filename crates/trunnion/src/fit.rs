@@ -125,22 +125,19 @@ impl Fit {
         trunnion_engine::compare::places(self.experiment.points(), &fit.residual_mm, &fit.used)
     }
 
-    /// The cycle that separates these effects; without any, those that the diagnosis leaves open. `None` when it leaves none open.
+    /// The cycle that separates these effects; without any, what the diagnosis says to measure next. `None` when it leaves nothing open.
     ///
     /// # Errors
     /// Effects that this machine cannot have, or that the model holds already.
     pub fn plan(&self, rivals: &[String]) -> Result<Option<results::Plan>, Error> {
-        let rivals = if rivals.is_empty() {
-            next_cycle::wanted(&diagnosed(&self.problem())?)
+        let (problem, options) = (self.problem(), next_cycle::Options::default());
+        let plan = if rivals.is_empty() {
+            next_cycle::next(&problem, &diagnosed(&problem)?, &options)?
         } else {
-            next_cycle::rivals_named(rivals, self.experiment.machine())
-                .map_err(next_cycle::PlanError::from)?
+            let rivals = next_cycle::rivals_named(rivals, self.experiment.machine())
+                .map_err(next_cycle::PlanError::from)?;
+            Some(next_cycle::plan_problem(&problem, &rivals, &options)?)
         };
-        if matches!(&rivals, next_cycle::Rivals::Reveal(effects) if effects.is_empty()) {
-            return Ok(None);
-        }
-        Ok(Some(
-            (&next_cycle::plan_problem(&self.problem(), &rivals, &next_cycle::Options::default())?).into(),
-        ))
+        Ok(plan.as_ref().map(results::Plan::from))
     }
 }

@@ -14,11 +14,11 @@ use trunnion_cycles::{Cycle, RunKind};
 /// Programs are written to 0.0001 mm and 0.0001° at the finest [Fanuc, increment system IS-C].
 const PER_UNIT: f64 = 1e4;
 
-/// The poses of the last run as a cycle; `None` on the fly, and where they are no grid that a cycle file can write.
-pub(super) fn again(experiment: &Experiment, options: &Options) -> Option<PlannedCycle> {
+/// The poses of the last run as a cycle, with what it costs; `None` on the fly, and where they are no grid that a cycle file can write.
+pub(super) fn again(experiment: &Experiment, options: &Options) -> Option<(Cycle, PlannedCycle)> {
     let cycle = cycle(experiment)?;
     let visits = cycle.visits(experiment.machine(), &options.pace).ok()?;
-    Some(PlannedCycle {
+    let planned = PlannedCycle {
         name: cycle.name.clone(),
         what: "the present poses once more, in both directions".into(),
         minutes: visits.duration_s / 60.0,
@@ -26,7 +26,8 @@ pub(super) fn again(experiment: &Experiment, options: &Options) -> Option<Planne
         separation: None,
         separates: Vec::new(),
         file: cycle.to_text(),
-    })
+    };
+    Some((cycle, planned))
 }
 
 fn cycle(experiment: &Experiment) -> Option<Cycle> {

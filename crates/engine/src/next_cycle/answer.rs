@@ -2,6 +2,7 @@
 
 use super::design::CycleDesign;
 use super::options::{HOPELESS_LN, Options};
+use super::planned::{Goal, PlannedCycle};
 use super::rivals::Rivals;
 use super::utility::Utility;
 use std::f64::consts::LN_10;
@@ -13,8 +14,8 @@ use trunnion_effects::{Instance, Need};
 /// What to measure next, and why.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// True: the effects explain the present data alike; false: the present cycle does not show them.
-    pub separates: bool,
+    /// What the next cycle is for.
+    pub goal: Goal,
     /// The effects in question.
     pub effects: Vec<String>,
     /// The effects in question that no cycle considered would show.
@@ -25,6 +26,8 @@ pub struct Plan {
     pub considered: Vec<Considered>,
     /// The cycle to measure next; `None` when no cycle of poses and feeds helps.
     pub next: Option<Cycle>,
+    /// What it costs and settles.
+    pub planned: Option<PlannedCycle>,
     /// Pairs that are still not separated after the next cycle.
     pub left_open: Vec<LeftOpen>,
     /// The answer in words.
@@ -75,6 +78,7 @@ pub(super) fn answer(
     options: &Options,
 ) -> Plan {
     let separates = matches!(design.rivals, Rivals::Separate(_));
+    let goal = if separates { Goal::Separate } else { Goal::Reveal };
     let effects = design.ids();
     let gain_before = design.gain(before);
     let pairs = before.pairs();
@@ -110,16 +114,31 @@ pub(super) fn answer(
         None if separates => none_separates(design, apart_before == pairs.len(), before_ln, considered.len()),
         best => words(design, best, &left_open, before_ln),
     };
+    let before_ln = if before_ln.is_finite() { before_ln } else { 0.0 };
+    let planned = next.as_ref().zip(considered.first()).map(|(cycle, row)| planned(cycle, row, before_ln));
     Plan {
-        separates,
+        goal,
         effects,
         never_shown,
-        before_ln: if before_ln.is_finite() { before_ln } else { 0.0 },
+        before_ln,
         considered,
         next,
+        planned,
         left_open,
         answer,
         assumptions: assumptions(&options.pace),
+    }
+}
+
+fn planned(cycle: &Cycle, row: &Considered, before_ln: f64) -> PlannedCycle {
+    PlannedCycle {
+        name: cycle.name.clone(),
+        what: row.what.clone(),
+        minutes: row.minutes,
+        separation_before: Some(before_ln / LN_10),
+        separation: Some(row.separation_ln / LN_10),
+        separates: row.apart.clone(),
+        file: cycle.to_text(),
     }
 }
 
@@ -171,7 +190,7 @@ fn words(
             text + &left_open_words(design, left_open)
         }
         (Rivals::Reveal(_), Some(best)) => format!(
-            "{} effects are not observable in the present cycle. The best next cycle is {}: {}. In {:.0} minutes it would \
+            "{} effects are not observable in the present cycle. The best cycle for these is {}: {}. In {:.0} minutes it would \
              show {} of them and separate {} from all others.",
             design.entries.len(),
             best.name,
@@ -251,7 +270,7 @@ fn load_words(design: &CycleDesign<'_>, ids: &[String]) -> String {
     text
 }
 
-fn assumptions(pace: &Pace) -> Vec<String> {
+pub(super) fn assumptions(pace: &Pace) -> Vec<String> {
     vec![
         format!(
             "Machine time: feed limits of the machine file, else {:.0} m/min and {:.0}°/min; {:.1} s to settle in addition to the \

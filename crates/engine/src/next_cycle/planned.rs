@@ -1,7 +1,19 @@
-//! The cycle that was chosen, as a diagnosis carries it.
+//! The cycle that was chosen, as a diagnosis carries it, and what for.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+/// What a cycle is planned for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Goal {
+    /// To separate effects that explain the present data equally well.
+    Separate,
+    /// To show effects that the present cycle does not show.
+    Reveal,
+    /// To measure the present poses once more: the present data decide nothing.
+    Repeat,
+}
 
 /// A cycle that separates effects, or repeats the present one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

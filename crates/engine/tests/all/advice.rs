@@ -3,7 +3,7 @@
 use crate::common::points_run;
 use trunnion_cycles::{Cycle, Run};
 use trunnion_effects::Model;
-use trunnion_engine::next_cycle::{Options, advise};
+use trunnion_engine::next_cycle::{Goal, Options, advise, next};
 use trunnion_engine::{Diagnosis, Experiment, OpenEffect, Problem, Verdict, diagnose_problem};
 
 fn advised(run: Run, open: &[&str]) -> (Experiment, Diagnosis) {
@@ -52,4 +52,34 @@ fn where_no_cycle_separates_what_is_open_the_advice_is_to_repeat() {
     let (_, diagnosis) = advised(points_run("points-nothing-hidden"), &["backlash:C", "setup-slip"]);
     let next = diagnosis.next_cycle.unwrap();
     assert!(next.suggestion.starts_with("Repeat this pass") && next.cycle.is_some(), "{next:?}");
+}
+
+/// Whatever is open: the plan of a diagnosis names the cycle that its advice names, and says the same first.
+#[test]
+fn a_plan_names_the_cycle_that_the_diagnosis_names() {
+    let experiment = Experiment::new(&[points_run("points-nothing-hidden")]).unwrap();
+    let problem = Problem::new(&experiment, &Model::base("table-bc")).unwrap();
+    let found = diagnose_problem(&problem, &Default::default()).unwrap();
+    let options = Options::default();
+    for open in [&[][..], &["backlash:C", "setup-slip"], &["gravity-sag:B", "encoder-eccentricity:B"]] {
+        let effect = |id: &&str| OpenEffect { effect: id.to_string(), evidence: 0.9 };
+        let undecided = open.iter().map(effect).collect();
+        let mut diagnosis =
+            Diagnosis { verdict: Verdict::Undecided, undecided, next_cycle: None, ..found.clone() };
+        let plan = next(&problem, &diagnosis, &options).unwrap().expect("a plan");
+        advise(&problem, &mut diagnosis, &options);
+        let advice = diagnosis.next_cycle.clone().expect("advice");
+        assert!(
+            plan.answer.starts_with(&advice.suggestion),
+            "{open:?}: {} {}",
+            plan.answer,
+            advice.suggestion
+        );
+        assert_eq!(plan.planned, advice.cycle, "{open:?}");
+        assert_eq!(plan.next.map(|cycle| cycle.to_text()), advice.cycle.map(|cycle| cycle.file), "{open:?}");
+        assert_eq!(plan.goal == Goal::Repeat, advice.suggestion.starts_with("Repeat"), "{open:?}");
+        // Asked once more, it is the same.
+        let again = next(&problem, &diagnosis, &options).unwrap().expect("a plan");
+        assert_eq!(again.answer, plan.answer, "{open:?}");
+    }
 }

@@ -6,17 +6,20 @@ use trunnion_results::{Goal, OutOfReach, Plan, Preview, SeenBy};
 /// The answer, the cycles considered, and what was assumed.
 pub fn plan_text(plan: &Plan) -> String {
     let mut text = format!("{}\n", plan.answer);
-    if plan.goal == Goal::Separate {
+    let separates = plan.goal == Goal::Separate;
+    if separates {
         text += &format!(
             "\nTo separate: {}. In the present data: odds 10^{:.1}.\n",
             plan.effects.join(", "),
             plan.separation_before
         );
-    } else {
+    } else if !plan.effects.is_empty() {
         text += &format!("\nNot seen so far: {}.\n", plan.effects.join(", "));
     }
-    text += "\nConsidered\n";
-    text += &if plan.goal == Goal::Separate { separating(plan) } else { revealing(plan) };
+    if !plan.considered.is_empty() {
+        text += "\nConsidered\n";
+        text += &if separates { separating(plan) } else { revealing(plan) };
+    }
     if !plan.never_shown.is_empty() {
         text += &format!("\nNo cycle considered shows: {}.\n", plan.never_shown.join(", "));
     }

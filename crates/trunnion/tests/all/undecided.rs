@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use trunnion::Experiment;
-use trunnion::results::Verdict;
+use trunnion::results::{Goal, Verdict};
 use trunnion_cycles::Cycle;
 
 /// The committed run without a hidden effect, readings changed; the passes backwards of these setups read `um` more along Y of the table.
@@ -40,6 +40,15 @@ fn two_passes_that_differ_are_undecided_and_the_cycle_that_decides_is_named() {
     let next = answer.next_cycle.unwrap();
     assert!(next.suggestion.starts_with("Repeat this pass"), "{next:?}");
     let planned = next.cycle.unwrap();
+    // `plan` says the same first, and what the present cycle hides after it.
+    let plan = diagnosed.fit().plan(&[]).unwrap().unwrap();
+    assert_eq!(plan.goal, Goal::Repeat);
+    assert!(plan.answer.starts_with(&next.suggestion), "{}", plan.answer);
+    assert_eq!(
+        plan.next.map(|next| (next.name, next.cycle)),
+        Some((planned.name.clone(), planned.file.clone()))
+    );
+    assert!(!plan.effects.is_empty() && !plan.considered.is_empty());
     assert!(planned.separates.is_empty() && planned.separation.is_none(), "{planned:?}");
     let cycle = Cycle::parse("next.toml", &planned.file).unwrap();
     assert_eq!(cycle.poses(run.machine()).unwrap().len(), 336, "every pose in both directions");
