@@ -136,7 +136,7 @@ impl Need {
             Self::Temperature => !scene.varying_channels().is_empty(),
             Self::TwoHeights => differ(balls().map(|ball| ball.z).collect()),
             Self::TwoRadii => differ(balls().map(|ball| ball.x.hypot(ball.y)).collect()),
-            Self::TwoFeeds => of_axis(&|letter| scene.changes_speed(letter)),
+            Self::TwoFeeds => of_axis(&|letter| scene.two_feeds(letter)),
             Self::Volume => of_axis(&|letter| scene.measures_volume(letter)),
             Self::Targets => scene
                 .setups

@@ -147,6 +147,12 @@ impl Scene {
         differs(self.speed_range[letter])
     }
 
+    /// True when the axis is read at two feeds, or at rest and at one.
+    pub fn two_feeds(&self, letter: Joint) -> bool {
+        let (slowest, fastest) = self.speed_range[letter];
+        fastest > TWO_FEEDS * slowest
+    }
+
     /// True when the axis is read both at rest and in motion.
     pub fn rests_and_moves(&self, letter: Joint) -> bool {
         let (slowest, fastest) = self.speed_range[letter];
@@ -217,6 +223,10 @@ fn usual_step(times_s: impl Iterator<Item = f64> + Clone) -> Option<f64> {
 }
 
 const STEPS_LOOKED_AT: usize = 4096;
+
+/// Speeds that differ by this factor are two feeds: a sample belongs to a feed within 5 % and the noise of its speed, and the cycles shipped have
+/// feeds of 4 : 3 and more.
+const TWO_FEEDS: f64 = 1.3;
 
 fn differs((low, high): (f64, f64)) -> bool {
     high - low > 1e-9

@@ -16,8 +16,6 @@ use trunnion_sync::{Retiming, Stream, Survey, SyncMoveFinder, mean_delays};
 
 /// Delays at the start and at the end differ when they do by so many standard uncertainties.
 const DIFFERS: f64 = 5.0;
-/// Feeds that differ by this factor are two feeds.
-const TWO_FEEDS: f64 = 1.3;
 /// Share of the stroke by which a probe may miss what the nest calibration expects of it.
 const GAIN_SLACK: f64 = 0.25;
 
@@ -227,18 +225,13 @@ fn nest_motion(plan: &Plan, axis: Joint, position: &AxisValues<f64>) -> Vector3<
 /// When the fit fails.
 pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, IdentifyError> {
     let scene = &experiment.scene;
-    let turning: Vec<Joint> = scene
-        .machine
-        .rotary_joints()
-        .into_iter()
-        .filter(|&letter| scene.speed_range[letter].1 > 0.0)
-        .collect();
+    let turning: Vec<Joint> =
+        scene.machine.rotary_joints().into_iter().filter(|&letter| scene.read_in_motion(letter)).collect();
     if !scene.on_the_fly || turning.is_empty() {
         return Ok(None);
     }
-    let both_ways = turning.iter().all(|&letter| scene.direction_range[letter] == (-1.0, 1.0));
-    let two_feeds =
-        turning.iter().all(|&letter| scene.speed_range[letter].1 > TWO_FEEDS * scene.speed_range[letter].0);
+    let both_ways = turning.iter().all(|&letter| scene.both_directions(letter));
+    let two_feeds = turning.iter().all(|&letter| scene.two_feeds(letter));
     if !(both_ways && two_feeds) {
         let missing = if both_ways { "a second feed" } else { "the other direction of travel" };
         return Ok(Some(format!(
