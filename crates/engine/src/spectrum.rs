@@ -49,7 +49,8 @@ pub struct AxisSpectrum {
     pub curve: Vec<(f64, f64)>,
     /// Waves that stand out, largest first.
     pub waves: Vec<Wave>,
-    /// Shortest period (mm) or most cycles a turn that these positions show as it is.
+    /// Shortest period (mm) or most cycles a turn of `curve`: what positions as far apart as these show as it is, or the finest of `waves`,
+    /// where uneven positions show a finer one.
     pub limit: f64,
 }
 
@@ -128,7 +129,7 @@ impl AxisSpectrum {
                 .map(|(omega, explained)| (units.value(*omega), units.rms_um(explained.sum)))
                 .collect(),
             waves: Vec::new(),
-            limit: units.value(band.high()),
+            limit: 0.0,
         };
         let mut scanned = first;
         while spectrum.waves.len() < MOST_WAVES {
@@ -143,7 +144,15 @@ impl AxisSpectrum {
             }
             spectrum.waves.push(units.wave(&before, &waves, omega, next.explained, evidence_ln, &band));
         }
+        spectrum.end(&units, band.nyquist());
         Some(spectrum)
+    }
+
+    /// Ends the curve at an angular frequency, or behind the last wave.
+    fn end(&mut self, units: &Units<'_>, nyquist: f64) {
+        let finest = self.waves.iter().map(Wave::omega).fold(nyquist, f64::max);
+        self.limit = units.value(finest);
+        self.curve.retain(|(value, _)| units.omega(*value) <= finest);
     }
 }
 

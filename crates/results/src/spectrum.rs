@@ -34,7 +34,7 @@ pub struct AxisSpectrum {
     pub unit: String,
     /// Residual of the readings used, µm rms.
     pub rms_um: f64,
-    /// Shortest period, or most cycles a turn, that these positions show as it is.
+    /// Shortest period, or most cycles a turn, of the curve: what positions as far apart as these show as it is, or the finest of `waves`.
     pub limit: f64,
     /// Period or cycles a turn, and the wave there, µm rms; of long spectra the highest of neighbours.
     pub curve: Vec<[f64; 2]>,

@@ -60,7 +60,12 @@ impl Band {
 
     /// The highest: the Nyquist frequency π/step of a grid; twice that where positions are uneven and tell the two apart.
     pub fn high(&self) -> f64 {
-        if self.regular { PI / self.step } else { TAU / self.step }
+        if self.regular { self.nyquist() } else { TAU / self.step }
+    }
+
+    /// The Nyquist frequency of positions that are one step apart.
+    pub fn nyquist(&self) -> f64 {
+        PI / self.step
     }
 
     /// How many independent frequencies it holds.

@@ -1,7 +1,7 @@
 //! What the model leaves along each axis, by period.
 
 use crate::markup::element;
-use crate::number::um;
+use crate::number::{plain, um};
 use crate::svg::{Mark, Series, XyChart, nice_above, xy_chart};
 use crate::words::wave;
 use trunnion_results::AxisSpectrum;
@@ -38,9 +38,14 @@ fn chart(spectrum: &AxisSpectrum, first: usize) -> String {
         .map(|(number, wave)| (at(wave.period.value), number.to_string()))
         .collect();
     let y_limit = nice_above(points.iter().fold(0.0, |limit: f64, point| limit.max(point.1)));
-    let title = format!("Residual along {}, {} in all", spectrum.axis, um(spectrum.rms_um));
-    let series = [Series { name: format!("wave along {}", spectrum.axis), mark: Mark::Line, points }];
     let x_name = if per_turn { "cycles per turn" } else { "waves per mm" };
+    let title = format!(
+        "Residual along {}, {} in all, up to {} {x_name}",
+        spectrum.axis,
+        um(spectrum.rms_um),
+        plain(at(spectrum.limit))
+    );
+    let series = [Series { name: format!("wave along {}", spectrum.axis), mark: Mark::Line, points }];
     xy_chart(&XyChart {
         title: &title,
         x_name,

@@ -193,7 +193,7 @@ pub const ENTRIES: &[[&str; 3]] = &[
     ["({} readings, {} of the residual)", "({} Messwerte, {} der Restabweichung)", "（測定値 {}、残差の {}）"],
     ["What repeats along the axes", "Was sich entlang der Achsen wiederholt", "軸に沿った周期成分"],
     ["No wave stands out of what remains.", "Keine Welle hebt sich vom Rest ab.", "残りに目立つ周期成分はない。"],
-    ["Residual along {}, {} in all", "Restabweichung entlang {}, insgesamt {}", "{} に沿った残差、全体 {}"],
+    ["Residual along {}, {} in all, up to {} {}", "Restabweichung entlang {}, insgesamt {}, bis {} {}", "{} に沿った残差、全体 {}、{} {} まで"],
     ["wave along {}", "Welle entlang {}", "{} に沿った波"],
     ["Size of a wave in the residual at each frequency. Finer waves than the right end need closer positions.", "Größe einer Welle in der Restabweichung bei jeder Frequenz. Feinere Wellen als am rechten Ende brauchen dichtere Positionen.", "各周波数における残差の波の大きさ。右端より細かい波には、より密な測定位置が必要。"],
     ["Sizes are means of measured − predicted; X, Y, Z are machine axes unless the table is named. Each place is framed on the map of its component. Orange: the tool stands further in the positive direction than predicted; blue: in the negative.", "Größen sind Mittel von gemessen − vorhergesagt; X, Y, Z sind Maschinenachsen, wenn nicht der Tisch genannt ist. Jede Stelle ist auf der Karte ihrer Komponente umrahmt. Orange: Das Werkzeug steht weiter in positiver Richtung als vorhergesagt; blau: in negativer.", "大きさは（測定値 − 予測値）の平均。テーブルと記した場合を除き X、Y、Z は機械座標。各箇所は成分図に枠で示す。橙：工具が予測より正方向、青：負方向。"],
