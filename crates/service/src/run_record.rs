@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use tracing::warn;
 use trunnion::gaps::gaps_of;
 use trunnion::results::{RunAnswer, RunRecord, RunState, Verdict, to_json};
+use trunnion_core::chain;
 
 const ENDING: &str = "state.json";
 
@@ -46,9 +47,12 @@ pub fn of_recorded(recorded: &Recorded, cycle: &str, at: String) -> RunRecord {
 
 /// The state of a recording that says all there is to know of it.
 pub fn of_recording(recording: &Path, state: RunState, at: String) -> RunRecord {
-    // One that cannot be read is listed too, and its analysis says why.
-    let (cycle, gaps) = gaps_of(recording).unwrap_or_default();
-    RunRecord { state, at, cycle, losses: trunnion::page::losses(&gaps, 0), ..RunRecord::default() }
+    let (cycle, losses) = match gaps_of(recording) {
+        Ok((cycle, gaps)) => (cycle, trunnion::page::losses(&gaps, 0)),
+        // It is listed too: nobody may take it for one without gaps.
+        Err(error) => (String::new(), vec![format!("what is missing is not known: {}", chain(&error))]),
+    };
+    RunRecord { state, at, cycle, losses, ..RunRecord::default() }
 }
 
 /// The state of a run with this report.
@@ -154,6 +158,16 @@ pub fn is_pending(record: &RunRecord, tries: u32) -> bool {
 mod tests {
     use super::*;
     use std::os::unix::fs::symlink;
+
+    #[test]
+    fn a_recording_that_cannot_be_read_is_not_taken_for_one_without_gaps() {
+        let folder = tempfile::tempdir().unwrap();
+        let broken = folder.path().join("broken.mcap");
+        std::fs::write(&broken, b"no recording").unwrap();
+        let record = of_recording(&broken, RunState::Recorded, "now".into());
+        let [loss] = &record.losses[..] else { panic!("{record:?}") };
+        assert!(loss.starts_with("what is missing is not known: ") && loss.contains("broken.mcap"), "{loss}");
+    }
 
     #[test]
     fn a_recording_that_is_linked_from_elsewhere_is_a_run_and_a_second_name_is_none() {
