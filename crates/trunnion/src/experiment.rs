@@ -8,6 +8,7 @@ use read::{OfFile, Runs};
 pub use read::{read, read_points};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
+use trunnion_core::Point;
 use trunnion_cycles::Run;
 use trunnion_engine::plausibility::{Implausible, implausible};
 use trunnion_machine::{Machine, NamePlate};
@@ -112,6 +113,16 @@ impl Experiment {
     /// Points, rows and columns of the runs together.
     pub fn points(&self) -> &trunnion_engine::Experiment {
         &self.opened.points
+    }
+
+    /// True for the same readings at the same positions, also where they were opened twice.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        let (own, others) = (&self.points().points, &other.points().points);
+        let same = |(own, other): (&Point, &Point)| {
+            own.reading_mm == other.reading_mm && own.state.position == other.state.position
+        };
+        Arc::ptr_eq(&self.opened, &other.opened)
+            || own.len() == others.len() && own.iter().zip(others).all(same)
     }
 
     /// Why the runs cannot be judged: what no machine can do, the gravest first, and a part of the cycle that is missing; empty

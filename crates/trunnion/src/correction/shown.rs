@@ -39,7 +39,8 @@ impl Shown {
         let points = runs.points();
         let machine = points.machine();
         let used = &fit.identification().used;
-        let counts = |i: usize| used.len() != points.points.len() || used[i];
+        let is_own = runs.is_same(fit.experiment());
+        let counts = |i: usize| !is_own || used[i];
         let (mut rows, mut of_points) = (Vec::new(), vec![0]);
         for point in (0..points.points.len()).filter(|&i| counts(i)) {
             rows.extend(points.rows_of(point));
@@ -206,4 +207,45 @@ pub(super) fn pose(machine: &Machine, position: &AxisValues<f64>) -> String {
         false => format!("{joint} {:.3}", position[*joint]),
     };
     joints.iter().map(one).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The committed run, and its readings with 60 µm more along X at one pose.
+    fn runs(folder: &std::path::Path) -> [Experiment; 2] {
+        let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-nothing-hidden");
+        let data = std::path::Path::new(data);
+        let text = std::fs::read_to_string(data.join("points.csv")).expect("committed points");
+        let head: Vec<&str> = text.lines().next().expect("a head").split(',').collect();
+        let dx = head.iter().position(|cell| *cell == "dx_um").expect("readings");
+        let with_outlier = |(row, line): (usize, &str)| {
+            let mut cells: Vec<String> = line.split(',').map(String::from).collect();
+            if row == 41 {
+                cells[dx] = (cells[dx].parse::<f64>().expect("a number") + 60.0).to_string();
+            }
+            cells.join(",")
+        };
+        let changed: Vec<String> = text.lines().enumerate().map(with_outlier).collect();
+        std::fs::write(folder.join("points.csv"), changed.join("\n")).expect("a writable folder");
+        std::fs::copy(data.join("setup.toml"), folder.join("setup.toml")).expect("a writable folder");
+        [data, folder].map(|of| crate::open(of.join("points.csv")).expect("points"))
+    }
+
+    #[test]
+    fn outliers_of_the_fitted_run_are_no_outliers_of_another_of_as_many_points() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [clean, with_outlier] = runs(folder.path());
+        let fit = with_outlier.fit(&with_outlier.base_model()).expect("it can be fitted");
+        let excluded = fit.identification().outliers.len();
+        assert!(excluded > 0, "the outlier is excluded");
+        let all = fit.axis_errors().expect("errors of the axes");
+        let rows = |runs: &Experiment| Shown::new(&fit, runs, &all, &all).rows.len();
+        assert_eq!(rows(&clean), clean.points().rows(), "every reading of the other run");
+        let again = crate::open(folder.path().join("points.csv")).expect("points");
+        for own in [&with_outlier, &again] {
+            assert_eq!(rows(own), own.points().rows() - 3 * excluded, "its own without its outliers");
+        }
+    }
 }
