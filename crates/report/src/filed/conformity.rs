@@ -16,7 +16,7 @@ pub fn section(report: &Report) -> String {
             let head: String = head.iter().map(|name| format!("<th scope=\"col\">{name}</th>")).collect();
             format!(
                 "<p><span>Tolerance:</span> <b>{}</b> <span class=\"soft\">(<span>{}</span>)</span></p>\n\
-                 <table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>\n\
+                 <div class=\"scroll\"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>\n\
                  <p class=\"soft\">Decision rule: ISO 14253-1, guard band 1.65 u.</p>\n",
                 escape(&format!("{} µm", trimmed(conformity.tolerance_um, 3))),
                 escape(&conformity.tolerance_of),

@@ -93,6 +93,21 @@ fn every_report_is_well_formed_and_needs_nothing_from_outside() {
     }
 }
 
+/// A table of many columns is wider than a phone: it scrolls in a box of its own, or wraps its cells.
+#[test]
+fn no_table_of_a_report_makes_the_page_wider_than_the_screen() {
+    for (_, language) in Language::NAMES {
+        let page = report_html(&report(), language);
+        let tables: Vec<usize> = page.match_indices("<table").map(|(at, _)| at).collect();
+        assert!(tables.len() > 5, "{}", tables.len());
+        for at in tables {
+            let scrolls = page[..at].ends_with("<div class=\"scroll\">");
+            let wraps = page[at..].starts_with("<table class=\"identity\"");
+            assert!(scrolls || wraps, "{}", page[at..].chars().take(200).collect::<String>());
+        }
+    }
+}
+
 #[test]
 fn no_label_of_a_report_stays_english() {
     let english = report_html(&report(), Language::English);
