@@ -42,6 +42,6 @@ pub use text::{
     plan_text, prediction_text, preview_text, report_text, sign_test_text, timing_text, trial_text,
     volumetric_text,
 };
-pub use time_quality::duration;
+pub use time_quality::duration_and_u;
 pub use volumetric::error_map_csv;
 pub use words::repeatability;

@@ -1,6 +1,6 @@
 //! How well the samples of a run are known in time, as tables for page and terminal.
 
-use crate::number::{MISSING, plain, signed};
+use crate::number::{MISSING, plain, signed, value_and_u};
 use trunnion_results::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
 
 /// Head of the table of streams.
@@ -43,7 +43,7 @@ fn row(stream: &Stream) -> Vec<String> {
         gaps,
         stream.lost.to_string(),
         match stream.delay_s.zip(stream.delay_u_s) {
-            Some((delay_s, u_s)) => format!("{} (u {})", duration(delay_s), duration(u_s)),
+            Some((delay_s, u_s)) => duration_and_u(delay_s, u_s),
             None => MISSING.into(),
         },
     ]
@@ -75,8 +75,7 @@ fn sync_move(sync_move: &SyncMove) -> String {
     let seen = match sync_move.channels.as_slice() {
         [] => "no probe saw it".into(),
         seen => {
-            let of =
-                |seen: &SyncMoveChannel| format!("{} (u {})", duration(seen.delay_s), duration(seen.u_s));
+            let of = |seen: &SyncMoveChannel| duration_and_u(seen.delay_s, seen.u_s);
             format!("readings later by {}", seen.iter().map(of).collect::<Vec<_>>().join(", "))
         }
     };
@@ -89,11 +88,38 @@ fn sync_move(sync_move: &SyncMove) -> String {
 }
 
 /// A duration in the unit that suits it: `13 ms`, `420 µs`.
-pub fn duration(seconds: f64) -> String {
+fn duration(seconds: f64) -> String {
+    if !seconds.is_finite() {
+        return MISSING.into();
+    }
+    let (per_s, unit) = suits(seconds);
+    format!("{} {unit}", plain(seconds * per_s))
+}
+
+/// The same with its standard uncertainty, as every value with one: `−97.6 µs (u 7.4 µs)`.
+pub fn duration_and_u(seconds: f64, u_s: f64) -> String {
+    let (per_s, unit) = suits(seconds.abs().max(u_s));
+    let (value, u) = value_and_u(Some(seconds * per_s), Some(u_s * per_s), unit);
+    format!("{value} (u {u})")
+}
+
+fn suits(seconds: f64) -> (f64, &'static str) {
     match seconds.abs() {
-        s if !s.is_finite() => MISSING.into(),
-        s if s >= 1.0 => format!("{} s", plain(seconds)),
-        s if s >= 1e-3 => format!("{} ms", plain(seconds * 1e3)),
-        _ => format!("{} µs", plain(seconds * 1e6)),
+        s if s >= 1.0 => (1.0, "s"),
+        s if s >= 1e-3 => (1e3, "ms"),
+        _ => (1e6, "µs"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delay_has_the_digits_that_its_uncertainty_bears() {
+        assert_eq!(duration_and_u(-97.6e-6, 7.37e-6), "−97.6 µs (u 7.4 µs)");
+        assert_eq!(duration_and_u(-137.4e-6, 109.2e-6), "−137 µs (u 109 µs)");
+        assert_eq!(duration_and_u(2.0e-6, 1.5e-3), "0.0 ms (u 1.5 ms)");
+        assert_eq!((duration(13.04e-3), duration(f64::NAN)), ("13.0 ms".into(), MISSING.into()));
     }
 }

@@ -256,8 +256,8 @@ pub fn delay_by_feeds(experiment: &Experiment) -> Result<Option<String>, Identif
             } else {
                 "the readings come later than the axes"
             };
-            let duration = |inside: f64| trunnion_report::duration(inside * parameter.unit.per_inside * 1e-3);
-            Some(format!("{what} by {} (u {})", duration(value), duration(u)))
+            let seconds = |inside: f64| inside * parameter.unit.per_inside * 1e-3;
+            Some(format!("{what} by {}", trunnion_report::duration_and_u(seconds(value), seconds(u))))
         })
         .collect();
     Ok((!reported.is_empty()).then(|| {
