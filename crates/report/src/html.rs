@@ -135,6 +135,7 @@ fn losses(input: &Comparison) -> String {
         let warned = Complete {
             planned: found.planned.filter(|planned| *planned != found.read),
             samples: Vec::new(),
+            losses: Vec::new(),
             ..found.clone()
         };
         let read =

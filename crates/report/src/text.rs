@@ -113,13 +113,16 @@ pub fn check_text(check: &Check) -> String {
 }
 
 fn points(view: &Identification) -> String {
-    let planned = view.complete.planned.map_or_else(String::new, |planned| format!(" of {planned} planned"));
-    format!("{}{planned} ({} excluded)", view.points, view.outliers)
+    // Those of the fit: on the fly a cycle plans places, and a fit has blocks of samples.
+    let read = view.complete.planned.map_or_else(String::new, |planned| {
+        format!("; {} of {planned} planned were read", view.complete.read)
+    });
+    format!("{} in the fit ({} excluded){read}", view.points, view.outliers)
 }
 
-/// What is missing from the cycle; nothing for one that is whole.
+/// What is missing from the cycle and the recordings; nothing where all of it was read.
 fn absent(found: &Complete) -> String {
-    if found.planned.is_none_or(|planned| found.read == planned) {
+    if found.planned.is_none_or(|planned| found.read == planned) && found.losses.is_empty() {
         return String::new();
     }
     complete(found).iter().map(|sentence| paragraph(sentence)).collect()
@@ -170,9 +173,6 @@ pub fn compare_text(input: &Comparison) -> String {
     out += "\n";
     out += &columns(&with_bars(rows, &values), &[2, 3]);
     out += &absent(&input.identification.complete);
-    for loss in &input.losses {
-        out += &format!("\nData loss: {}\n", clean(loss));
-    }
     out += &input.left_out.iter().map(|note| paragraph(note)).collect::<String>();
     out += &timing_text(&input.time_quality);
     out
@@ -360,6 +360,15 @@ mod tests {
     fn stand_alone(text: &str, count: usize) {
         let lists: Vec<&str> = text.split("\n\n").filter(|list| list.contains("Doubt: ")).collect();
         assert!(lists.len() == count && lists.iter().all(|list| list.trim().lines().count() == 1), "{text}");
+    }
+
+    #[test]
+    fn what_is_planned_and_what_was_read_are_counted_in_the_same_way() {
+        // A sweep: 140 places of its cycle, 1156 blocks in the fit.
+        let complete = Complete { planned: Some(140), read: 140, ..Complete::default() };
+        let text =
+            identification_text(&Identification { points: 1156, complete, ..Identification::default() });
+        assert!(!text.contains("1156 of 140") && text.contains("140 of 140 planned were read"), "{text}");
     }
 
     #[test]

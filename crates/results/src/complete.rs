@@ -1,4 +1,4 @@
-//! How much of what was planned the runs hold.
+//! How much of what was planned the runs hold, and what is missing from them: one list for every surface.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,6 +18,9 @@ pub struct Complete {
     /// What became of the samples of runs on the fly that hold their samples.
     #[serde(default)]
     pub samples: Vec<Samples>,
+    /// What is missing from the recordings, one sentence each: gaps in what was asked of the devices, damage.
+    #[serde(default)]
+    pub losses: Vec<String>,
 }
 
 /// Samples of a run on the fly, taken inside the span of its cycle while the machine went the way of a pass.

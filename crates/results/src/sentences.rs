@@ -38,7 +38,7 @@ pub fn is_setting(id: &str) -> bool {
     effect(id).is_some_and(|effect| effect.role == Role::Setting)
 }
 
-/// What is planned, read, missing and excluded; empty where nothing was planned and nothing excluded.
+/// What is planned, read, missing and excluded; empty where nothing was planned, nothing excluded and nothing lost.
 pub fn complete(complete: &Complete) -> Vec<String> {
     let read =
         complete.planned.map(|planned| format!("{} of {planned} planned points were read.", complete.read));
@@ -50,7 +50,9 @@ pub fn complete(complete: &Complete) -> Vec<String> {
         1 => format!("1 point is excluded: {}.", part.reason),
         count => format!("{count} points are excluded: {}.", part.reason),
     });
-    read.into_iter().chain(missing).chain(excluded).chain(complete.samples.iter().map(samples)).collect()
+    let lost = complete.losses.iter().map(|loss| format!("Data loss: {loss}"));
+    let samples = complete.samples.iter().map(samples);
+    read.into_iter().chain(missing).chain(excluded).chain(samples).chain(lost).collect()
 }
 
 /// What became of the samples of one run.

@@ -71,6 +71,7 @@ impl Compared {
                 self.answer.losses.push(loss.clone());
             }
         }
+        self.answer.identification.complete.losses.clone_from(&self.answer.losses);
         self
     }
 

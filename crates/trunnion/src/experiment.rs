@@ -134,7 +134,12 @@ impl Experiment {
 
     /// What is planned, read, missing and excluded.
     pub fn complete(&self) -> results::Complete {
-        self.opened.complete.clone()
+        results::Complete { losses: self.losses(), ..self.opened.complete.clone() }
+    }
+
+    /// What to doubt in the readings whatever is fitted to them.
+    pub(crate) fn doubts(&self) -> &[results::Doubt] {
+        &self.opened.doubts
     }
 
     /// Can these runs be what they say they are: `trunnion-check/1`.

@@ -58,13 +58,16 @@ impl Model {
     pub fn compare_frozen(&self, runs: &Experiment) -> Result<results::Comparison, Error> {
         let prediction = self.predict(runs)?;
         let frozen = Frozen::new(self.entries(), self.kept()?, runs.points())?;
-        Ok(results::Comparison {
+        let settled = frozen.settled(runs.points())?;
+        let mut compared = results::Comparison {
             frozen: Some(prediction),
             losses: runs.losses(),
             ladder: self.ladder(),
             time_quality: runs.time_quality(),
-            ..results::Comparison::new(runs.points(), &frozen.settled(runs.points())?, None)
-        })
+            ..results::Comparison::new(runs.points(), &settled, None)
+        };
+        compared.identification.complete = runs.complete().with_outliers(settled.outliers.len());
+        Ok(compared)
     }
 
     fn kept(&self) -> Result<&FittedValues, Error> {

@@ -125,7 +125,7 @@ fn gather(
     });
     let (start, damage, samples) = read?;
     let (Kept { points, reduction, means_of }, planned, gaps) = points.finish();
-    let timing = timing.map(|timing| timing.quality);
+    let timing = timing.map(|timing| timing.quality(&gaps));
     let run = start.run(points);
     Ok(Recording { run, reduction, means_of, planned, gaps, damage, timing, samples, plate })
 }

@@ -21,8 +21,7 @@ const GAIN_SLACK: f64 = 0.25;
 
 /// What the stamps of a recording show.
 pub struct Timing {
-    /// For the report.
-    pub quality: TimeQuality,
+    quality: TimeQuality,
     retiming: Retiming,
     /// Delay of each channel against the axes, s.
     delays_s: BTreeMap<u16, f64>,
@@ -37,6 +36,13 @@ impl Timing {
             sample.time_s = time_s - delay_s;
         }
         sample
+    }
+
+    /// For the report, with the gaps of the recording that count.
+    pub(crate) fn quality(self, gaps: &[Gap]) -> TimeQuality {
+        let mut quality = self.quality;
+        share_out(gaps, &mut quality.streams);
+        quality
     }
 
     /// The positions at the time the controller took them.
@@ -89,7 +95,6 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<(Option<Timing>, Gaps)
             Stream::Axes => None,
         };
     }
-    share_out(gaps.so_far(), &mut streams);
     for channel in delays.iter().filter(|(_, delay)| delay.birge_ratio > DIFFERS).map(|(channel, _)| *channel)
     {
         notes.push(format!(
@@ -142,9 +147,12 @@ fn sync_moves(path: &Path, retiming: &Retiming) -> Result<(Vec<SyncMove>, AxisVa
     Ok((found, at))
 }
 
+/// Name of the stream of the axes.
+const CONTROLLER: &str = "controller";
+
 fn name(stream: Stream, header: &RunHeader) -> String {
     match stream {
-        Stream::Axes => "controller".into(),
+        Stream::Axes => CONTROLLER.into(),
         Stream::Probe(channel) => {
             header.probes.get(usize::from(channel)).cloned().unwrap_or_else(|| format!("channel {channel}"))
         }
@@ -152,17 +160,17 @@ fn name(stream: Stream, header: &RunHeader) -> String {
 }
 
 /// Gaps to the streams they are gaps of; those of no probe are the controller's.
-fn share_out(gaps: &[Gap], streams: &mut BTreeMap<Stream, StreamTiming>) {
+fn share_out(gaps: &[Gap], streams: &mut [StreamTiming]) {
     for gap in gaps {
         let is_of = |timing: &StreamTiming| {
             timing.name == gap.source
                 || timing.name.strip_prefix(&gap.source).is_some_and(|rest| rest.starts_with('.'))
         };
-        let mut owners: Vec<&mut StreamTiming> =
-            streams.values_mut().filter(|timing| is_of(timing)).collect();
-        if owners.is_empty() {
-            owners = streams.get_mut(&Stream::Axes).into_iter().collect();
-        }
+        let is_owned = streams.iter().any(&is_of);
+        let owners = streams.iter_mut().filter(|timing| match is_owned {
+            true => is_of(timing),
+            false => timing.name == CONTROLLER,
+        });
         for owner in owners {
             owner.gaps.0 += 1;
             owner.gaps.1 += (gap.to_s - gap.from_s).max(0.0);

@@ -2,7 +2,7 @@
 
 use crate::markup::{element, escape};
 use crate::words::{effect_name, effect_title, is_failed, is_location, is_setting, unnumbered_locations};
-use trunnion_results::{Comparison, Verdict, sentences};
+use trunnion_results::{Comparison, Complete, Verdict, sentences};
 
 /// Groups of effects that the first page names; the rest is counted.
 const MOST_NAMED: usize = 6;
@@ -12,7 +12,7 @@ pub fn in_short(input: &Comparison) -> Vec<String> {
     let fit = &input.identification;
     let mut said: Vec<String> = Vec::new();
     if fit.complete.planned.is_some_and(|planned| planned != fit.complete.read) {
-        said.extend(sentences::complete(&fit.complete));
+        said.extend(sentences::complete(&Complete { losses: Vec::new(), ..fit.complete.clone() }));
     }
     said.extend(input.losses.iter().map(|loss| format!("Data loss: {loss}")));
     said.extend(input.left_out.iter().cloned());

@@ -55,6 +55,16 @@ fn a_gap_of_a_recording_is_said_by_every_surface() {
     for (name, text) in surfaces(&holed, &compared_holed) {
         assert!(text.contains(said) && !text.contains(NOTHING), "{name}: {text}");
     }
+    // One list: what is complete holds it too, on every surface that says what is complete.
+    let run = trunnion::open(&holed).unwrap();
+    let fit = run.fit(&run.base_model()).unwrap();
+    let of_diagnosis = fit.diagnose().unwrap().results().complete.losses;
+    for complete in [run.check().complete.losses, fit.results().complete.losses, of_diagnosis] {
+        assert_eq!(complete, [said]);
+    }
+    for text in [fit.summary(), trunnion::report::check_text(&run.check())] {
+        assert_eq!(text.split_whitespace().collect::<Vec<_>>().join(" ").matches(said).count(), 1, "{text}");
+    }
     // What a service knows of the same gap is said once, what else it knows too.
     let known = [said.to_owned(), "the program ran already when the recording began".to_owned()];
     assert_eq!(compared_holed.with_losses(&known).results().losses, known);
