@@ -36,7 +36,7 @@ use crate::words::{
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
 use trunnion_results::FEWEST_POINTS;
-use trunnion_results::sentences::{complete, doubts, inadequate};
+use trunnion_results::sentences::{complete, doubts, doubts_of, inadequate};
 use trunnion_results::{
     Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
     Parameter, Place, Plausibility, Trial,
@@ -100,6 +100,7 @@ pub fn check_text(check: &Check) -> String {
     let head = format!("Runs: {}; {} usable points\n", clean(&check.runs.join(", ")), check.points);
     let head =
         head + &complete(&check.complete).iter().map(|sentence| paragraph(sentence)).collect::<String>();
+    let head = head + &set_apart(&doubts_of(&check.doubts));
     match check.plausibility.is_empty() {
         true if check.points < FEWEST_POINTS => {
             let few = format!(
@@ -233,6 +234,7 @@ pub fn diagnosis_text(input: &Comparison) -> String {
         held_out(residual.holdout_rms_um, residual.holdout_unit),
     );
     out += &paragraph(&diagnosis.why);
+    out += &set_apart(&doubts(&input.identification));
     let all_clear = noticeable(diagnosis).into_iter().chain(remaining_pattern(diagnosis));
     all_clear.for_each(|sentence| out += &paragraph(&sentence));
     out += &what_to_do(input);

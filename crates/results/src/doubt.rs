@@ -34,6 +34,21 @@ pub enum DoubtReason {
     OneDirection,
     /// Readings of one pose scatter more than those of a machining centre in order.
     Scatter,
+    /// Many single readings lie far from their neighbours and were excluded.
+    LoneReadings,
+}
+
+impl Doubt {
+    /// About a run of which `lone` of `all` points were excluded; `most`: where most of them lie.
+    pub fn lone_readings(run: &str, [lone, all]: [u64; 2], most: Option<String>) -> Self {
+        let most = most.map_or_else(String::new, |place| format!(", most of them in {place}"));
+        let words = format!(
+            "{lone} of {all} points of run {run} ({:.1} %) lie far from their neighbours and are excluded{most}. Look for chips and coolant \
+             at ball and probes, a loose plug, a display with coarse steps; then measure again.",
+            100.0 * lone as f64 / all as f64
+        );
+        Self { effect: None, names: Vec::new(), reason: DoubtReason::LoneReadings, words }
+    }
 }
 
 impl From<&engine::Doubt> for Doubt {

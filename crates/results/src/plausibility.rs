@@ -1,6 +1,7 @@
 //! Whether runs can be what they say they are.
 
 use crate::complete::Complete;
+use crate::doubt::Doubt;
 use crate::number::finite;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -47,6 +48,9 @@ pub struct Check {
     pub complete: Complete,
     /// What is not plausible or not whole; empty for good runs.
     pub plausibility: Vec<Plausibility>,
+    /// What to doubt in the readings whatever is fitted to them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<Doubt>,
 }
 
 /// Format and version of a check.

@@ -6,8 +6,8 @@ pub use symbols::{error_in_words, is_location, setting_in_words, unnumbered_loca
 
 use crate::number::{degrees, justified, plain, um, unit_on_screen};
 use crate::{
-    Approach, Candidate, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Missing, Moved,
-    Parameter, PlannedCycle, Plausibility, Residual, Samples, ShapeNumber, Verdict,
+    Approach, Candidate, Complete, Diagnosis, Doubt, FormulaProposal, Identification, LeftOut, Missing,
+    Moved, Parameter, PlannedCycle, Plausibility, Residual, Samples, ShapeNumber, Verdict,
 };
 use std::f64::consts::LN_10;
 use symbols::location_words;
@@ -83,7 +83,12 @@ pub fn not_plausible(found: &[Plausibility]) -> String {
 
 /// Numbers of a fit to doubt, and what of its readings: what every text and page that shows the fit says.
 pub fn doubts(fit: &Identification) -> Vec<String> {
-    fit.doubts.iter().map(|doubt| format!("Doubt: {}", doubt.words)).collect()
+    doubts_of(&fit.doubts)
+}
+
+/// Doubts in sentences.
+pub fn doubts_of(doubts: &[Doubt]) -> Vec<String> {
+    doubts.iter().map(|doubt| format!("Doubt: {}", doubt.words)).collect()
 }
 
 /// `Title (id)`, or the id alone.

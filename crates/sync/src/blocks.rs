@@ -69,6 +69,10 @@ pub struct Reduction {
     pub missing: u64,
     /// Single samples far from their neighbours, excluded.
     pub excluded: u64,
+    /// Points read, each of one sample or more.
+    pub points_read: u64,
+    /// Those of them that were excluded.
+    pub points_excluded: u64,
     /// Largest width of a block, in units of 1° or 2 mm of travel.
     pub width_units: f64,
 }
@@ -86,6 +90,8 @@ pub struct Reducer<F> {
     samples: u64,
     missing: u64,
     excluded: u64,
+    points_read: u64,
+    points_excluded: u64,
 }
 
 /// What is under way in one setup.
@@ -119,6 +125,8 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
             samples: 0,
             missing: 0,
             excluded: 0,
+            points_read: 0,
+            points_excluded: 0,
         }
     }
 
@@ -126,6 +134,7 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
     pub fn push(&mut self, index: u64, point: Point) {
         let count = u64::from(point.samples.max(1));
         self.samples += count;
+        self.points_read += 1;
         if !point.is_good() || point.reading_mm.iter().any(|mm| !mm.is_finite()) {
             self.missing += count;
             return;
@@ -143,6 +152,7 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
             None => {}
             Some(outliers::Judged { sample, outlier: true }) => {
                 self.excluded += u64::from(sample.point.samples.max(1));
+                self.points_excluded += 1;
                 let pass =
                     self.streams.get(&setup).and_then(|stream| stream.last.as_ref()).map(|last| last.pass);
                 if let Some(pass) = pass {
@@ -250,6 +260,8 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
             samples: self.samples,
             missing: self.missing,
             excluded: self.excluded,
+            points_read: self.points_read,
+            points_excluded: self.points_excluded,
             width_units: widest,
         }
     }

@@ -29,6 +29,7 @@ struct Opened {
     implausible: OnceLock<Vec<Implausible>>,
     complete: results::Complete,
     not_whole: Option<results::Plausibility>,
+    doubts: Vec<results::Doubt>,
 }
 
 /// Opens one run: a recording (`.mcap`), or a points file (`.csv`) with its `setup.toml` next to it.
@@ -87,12 +88,15 @@ impl Experiment {
         Self::of_runs(read)
     }
 
-    fn of_runs(Runs { runs, readings, planned, samples, files, plate }: Runs) -> Result<Self, Error> {
-        let (complete, not_whole) = completeness::complete(&runs, &planned);
-        let complete = results::Complete { samples, ..complete };
+    fn of_runs(read: Runs) -> Result<Self, Error> {
+        let Runs { runs, readings, planned, samples, excluded, doubts, files, plate } = read;
+        let (mut complete, not_whole) = completeness::complete(&runs, &planned);
+        complete.samples = samples;
+        complete.excluded.extend(excluded);
         let points = trunnion_engine::Experiment::new(&runs)?.of_means(&readings);
         let implausible = OnceLock::new();
-        Ok(Self { opened: Arc::new(Opened { runs, plate, points, files, implausible, complete, not_whole }) })
+        let opened = Opened { runs, plate, points, files, implausible, complete, not_whole, doubts };
+        Ok(Self { opened: Arc::new(opened) })
     }
 
     /// The machine.
@@ -149,6 +153,7 @@ impl Experiment {
             points: self.points().points.len(),
             complete: self.complete(),
             plausibility: self.plausibility(),
+            doubts: self.doubts().to_vec(),
             ..results::Check::default()
         }
     }

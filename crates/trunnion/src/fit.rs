@@ -101,7 +101,8 @@ impl Fit {
     /// Its numbers to doubt.
     pub(crate) fn doubts(&self) -> Vec<results::Doubt> {
         let found = doubts(self.experiment.points(), self.model.entries(), self.identification());
-        found.iter().map(results::Doubt::from).collect()
+        let of_readings = self.experiment.doubts().iter().cloned();
+        of_readings.chain(found.iter().map(results::Doubt::from)).collect()
     }
 
     /// Measured against predicted, point by point.

@@ -45,6 +45,7 @@ pub mod page;
 mod prediction;
 pub mod recorded;
 pub mod recording;
+mod reduced;
 pub mod replay;
 pub mod second_opinion;
 mod step;

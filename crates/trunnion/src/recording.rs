@@ -23,14 +23,14 @@ use trunnion_sync::stations::Stations;
 use trunnion_sync::time_quality::TimeQuality;
 use trunnion_sync::{EndReason, SampleCounts};
 
+pub use crate::reduced::Reduced;
+
 /// A recording as read.
 pub struct Recording {
     /// Its points, or blocks of them.
     pub run: Run,
     /// How many points became how few; `None` when every point is as recorded.
-    pub reduction: Option<String>,
-    /// Readings at rest that its points are means of; `None` where every point at rest is as read.
-    pub means_of: Option<u64>,
+    pub reduction: Option<Reduced>,
     /// What its cycle asks for, and what became of it; `None` when it carries no cycle.
     pub planned: Option<Planned>,
     /// What is missing from it: the gaps in what was asked of the devices.
@@ -124,10 +124,10 @@ fn gather(
         unpack.join().expect("a panic of the reading thread ends the program")
     });
     let (start, damage, samples) = read?;
-    let (Kept { points, reduction, means_of }, planned, gaps) = points.finish();
+    let (points, reduction, planned, gaps) = points.finish();
     let timing = timing.map(|timing| timing.quality(&gaps));
     let run = start.run(points);
-    Ok(Recording { run, reduction, means_of, planned, gaps, damage, timing, samples, plate })
+    Ok(Recording { run, reduction, planned, gaps, damage, timing, samples, plate })
 }
 
 /// Hands over the points that the samples give with the clocks of the whole run.
@@ -235,13 +235,6 @@ struct Points {
     gaps: Gaps,
 }
 
-/// Points of a run as they go into a fit; the fields as in [`Recording`].
-struct Kept {
-    points: Vec<Point>,
-    reduction: Option<String>,
-    means_of: Option<u64>,
-}
-
 enum Reducing {
     Blocks(Box<Reducer<Nominal>>),
     Stations(Box<Stations<Nominal>>),
@@ -263,17 +256,17 @@ impl Reducing {
         }
     }
 
-    fn finish(self) -> Kept {
+    fn finish(self) -> (Vec<Point>, Reduced) {
         match self {
             Self::Blocks(blocks) => {
                 let mut reduction = blocks.finish();
-                let points = std::mem::take(&mut reduction.points);
-                Kept { points, reduction: Some(reduction.summary()), means_of: None }
+                let reduced = Reduced::of_blocks(&reduction);
+                (std::mem::take(&mut reduction.points), reduced)
             }
             Self::Stations(stations) => {
                 let reduced = stations.finish();
-                let (reduction, means_of) = (Some(reduced.summary()), Some(reduced.read - reduced.missing));
-                Kept { points: reduced.points, reduction, means_of }
+                let of_stations = Reduced::of_stations(reduced.summary(), reduced.read - reduced.missing);
+                (reduced.points, of_stations)
             }
         }
     }
@@ -304,13 +297,14 @@ impl Points {
         }
     }
 
-    fn finish(mut self) -> (Kept, Option<Planned>, Vec<Gap>) {
+    fn finish(mut self) -> (Vec<Point>, Option<Reduced>, Option<Planned>, Vec<Gap>) {
         let gaps = self.gaps.finish();
         if let Some(reducing) = self.reducing {
-            return (reducing.finish(), self.planned, gaps);
+            let (points, reduced) = reducing.finish();
+            return (points, Some(reduced), self.planned, gaps);
         }
         self.kept.sort_by_key(|(index, _)| *index);
         let points = self.kept.into_iter().map(|(_, point)| point).collect();
-        (Kept { points, reduction: None, means_of: None }, self.planned, gaps)
+        (points, None, self.planned, gaps)
     }
 }

@@ -34,16 +34,8 @@ pub const SQUARE_AND_SCALES: &[&str] =
     &["EC0Y", "EB0Z", "EA0Z", "linear-scale:X.scale", "linear-scale:Y.scale", "linear-scale:Z.scale"];
 
 /// By the base model and the joint fit, with nothing that the truth does not list.
-const PLAIN: Row = Row {
-    scheme: "",
-    source: "",
-    cycle: "",
-    truth: "",
-    model: None,
-    identifies: &[],
-    cannot: "",
-    also: &[],
-};
+const PLAIN: Row =
+    Row { scheme: "", source: "", cycle: "", truth: "", model: None, identifies: &[], cannot: "", also: &[] };
 
 /// Every scheme.
 pub fn rows() -> impl Iterator<Item = &'static Row> {

@@ -2,6 +2,7 @@
 
 use crate::gaps::Missing;
 use crate::recording::{self, Recording};
+use crate::reduced::Reduced;
 use crate::{Error, completeness, files, page};
 use std::path::{Path, PathBuf};
 use trunnion_core::Gap;
@@ -45,7 +46,6 @@ fn read_next(
         return Ok(Recording {
             run,
             reduction: None,
-            means_of: None,
             planned,
             gaps: Vec::new(),
             damage: None,
@@ -114,6 +114,8 @@ pub(super) struct Runs {
     pub(super) readings: Vec<f64>,
     pub(super) planned: Vec<Option<completeness::Planned>>,
     pub(super) samples: Vec<results::Samples>,
+    pub(super) excluded: Vec<results::Excluded>,
+    pub(super) doubts: Vec<results::Doubt>,
     pub(super) files: Vec<OfFile>,
     pub(super) plate: NamePlate,
 }
@@ -122,13 +124,20 @@ impl Runs {
     /// The next run from its files.
     pub(super) fn take(&mut self, parts: Vec<(PathBuf, Recording)>) {
         let (mut whole, mut planned, mut samples) = (None::<Run>, None, None::<SampleCounts>);
+        let mut reduced = None::<Reduced>;
         let (mut readings, mut points) = (0.0, 0.0);
         for (path, part) in parts {
-            let Recording { mut run, reduction, means_of, gaps, damage, timing, .. } = part;
+            let Recording { mut run, reduction, gaps, damage, timing, .. } = part;
             let good = run.good_points().count() as f64;
-            readings += means_of.map_or(good, |count| count as f64);
+            readings +=
+                reduction.as_ref().and_then(Reduced::readings_at_rest).map_or(good, |count| count as f64);
             points += good;
-            self.files.push(OfFile { path, run: run.name.clone(), reduction, gaps, damage, timing });
+            let summary = reduction.as_ref().map(|reduction| reduction.summary.clone());
+            self.files.push(OfFile { path, run: run.name.clone(), reduction: summary, gaps, damage, timing });
+            reduced = match (reduced, reduction) {
+                (Some(before), Some(next)) => Some(before.and(next)),
+                (before, next) => before.or(next),
+            };
             self.plate = std::mem::take(&mut self.plate).or(part.plate);
             // The plan of the last part counts those before it.
             planned = part.planned.or(planned);
@@ -142,7 +151,10 @@ impl Runs {
             }
         }
         let Some(run) = whole else { return };
+        let reduced = reduced.unwrap_or_default();
         self.samples.extend(samples.and_then(|counts| results::Samples::of(&run.name, &counts)));
+        self.excluded.extend(reduced.excluded());
+        self.doubts.extend(reduced.doubt(&run));
         self.runs.push(run);
         self.readings.push(if points > 0.0 { readings / points } else { 1.0 });
         self.planned.push(planned);

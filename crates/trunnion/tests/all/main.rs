@@ -9,6 +9,7 @@ mod forecast;
 mod joined;
 mod library;
 mod linear;
+mod lone_readings;
 mod losses;
 mod mistakes;
 mod nest;
