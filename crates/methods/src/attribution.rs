@@ -39,12 +39,23 @@ pub struct Attribution {
     pub angle_rad: Vec<f64>,
     /// First and last sample of every pass.
     pub passes: Vec<Range<usize>>,
+    /// Samples that have no ideal motion: they are in no figure.
+    pub left_out: LeftOut,
     /// Axes that move, largest share first.
     pub shares: Vec<Share>,
     /// All axes together: measured against ideal path.
     pub together: Deviation,
     /// Largest difference between the sum of the shares and all together, mm.
     pub beyond_sum_mm: f64,
+}
+
+/// Samples that no figure holds, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Of a pass, before its feed is reached and after it is left.
+    pub run_in_and_out: usize,
+    /// Of no pass: synchronisation moves, dwells, ways back. On a smooth path: of stretches too short for it.
+    pub elsewhere: usize,
 }
 
 /// What one axis did.
@@ -132,6 +143,7 @@ pub fn attribute(motion: &Motion<'_>) -> Result<Attribution, AttributionError> {
         time_s: found.samples.iter().map(|&i| motion.samples[i].time_s).collect(),
         angle_rad: found.angle_rad,
         passes: found.passes,
+        left_out: found.left_out,
         shares,
         together,
         beyond_sum_mm,

@@ -28,6 +28,6 @@ pub use cycle_event::{CycleEvent, EndReason, Progress};
 pub use nest::NestCalibration;
 pub use retime::{Retiming, Stream, Survey};
 pub use static_cycle::{DwellReader, DwellReading, StandsAt, StaticCycle, StaticRules};
-pub use sweep_cycle::{Course, SampleCounts, SweepCycle, SweepRules};
+pub use sweep_cycle::{Course, SampleCounts, SweepCycle, SweepRules, at_feed};
 pub use sync_move::{MeanDelay, SyncMoveFinder, mean_delays};
 pub use timebase::{TimeBase, Timed};

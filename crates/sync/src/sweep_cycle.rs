@@ -9,12 +9,14 @@
 
 mod counts;
 mod course;
+mod feed;
 mod pace;
 mod passes;
 mod rules;
 
 pub use counts::SampleCounts;
 pub use course::Course;
+pub use feed::at_feed;
 pub use rules::SweepRules;
 
 use crate::align::{Aligned, AxisState};

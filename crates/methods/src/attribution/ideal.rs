@@ -3,9 +3,9 @@
 //! A cycle on the fly turns one axis at a constant feed while the linear axes follow the ball, or follows a curve at a constant
 //! feed. Each pass is found in the measured positions; a straight line through the angle over time is its ideal motion, and the
 //! cycle says where all axes should be then. What all axes have in common, a delay of the time stamps, is in that line and in
-//! nobody's share.
+//! nobody's share. Run-in and run-out, where the feed is not reached yet or left, have no ideal motion.
 
-use super::{AttributionError, Ideal, Motion, smooth};
+use super::{AttributionError, Ideal, LeftOut, Motion, smooth};
 use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
 use trunnion_core::statistics::upper_median;
@@ -13,6 +13,7 @@ use trunnion_core::{AxisSample, AxisValues, Joint};
 use trunnion_cycles::cycle::Sweep;
 use trunnion_cycles::{Cycle, cycle};
 use trunnion_machine::Machine;
+use trunnion_sync::{SweepRules, at_feed};
 
 /// Slower than this share of the slowest feed is not a pass.
 const MOVING: f64 = 0.3;
@@ -31,6 +32,7 @@ pub(super) struct Found {
     pub positions: Vec<AxisValues<f64>>,
     pub angle_rad: Vec<f64>,
     pub passes: Vec<Range<usize>>,
+    pub left_out: LeftOut,
 }
 
 pub(super) fn find(motion: &Motion<'_>) -> Result<Found, AttributionError> {
@@ -47,7 +49,7 @@ pub(super) fn find(motion: &Motion<'_>) -> Result<Found, AttributionError> {
 /// The ideal motion by the cycle, or in words why the recording does not show it.
 fn of_cycle(motion: &Motion<'_>, cycle: &Cycle) -> Result<Result<Found, String>, AttributionError> {
     let sweeps = cycle.sweeps();
-    let Some(lead) = lead(motion, cycle) else {
+    let Some((lead, rules)) = lead(motion, cycle).zip(SweepRules::of(cycle)) else {
         return Ok(Err(format!("cycle {} reads at rest", cycle.name)));
     };
     let slowest = sweeps.iter().map(|sweep| sweep.feed_rad_per_s.abs()).fold(f64::INFINITY, f64::min);
@@ -66,15 +68,22 @@ fn of_cycle(motion: &Motion<'_>, cycle: &Cycle) -> Result<Result<Found, String>,
         positions: Vec::new(),
         angle_rad: Vec::new(),
         passes: Vec::new(),
+        left_out: LeftOut::default(),
     };
-    for (pass, sweep) in passes.into_iter().zip(&sweeps) {
-        let line = line(&motion.samples[pass.clone()], &lead.angle_rad[pass.clone()]);
-        let ratio = line.feed / sweep.feed_rad_per_s;
+    for (whole, sweep) in passes.into_iter().zip(&sweeps) {
+        let (samples, angle_rad) = (&motion.samples[whole.clone()], &lead.angle_rad[whole.clone()]);
+        let feed = usual_speed(samples, angle_rad);
+        let ratio = feed / sweep.feed_rad_per_s;
         if !(OVERRIDE.recip()..=OVERRIDE).contains(&ratio) {
             return Ok(Err(format!("the passes are not those of cycle {}", cycle.name)));
         }
+        let Some(proper) = at_feed(&rules, samples, angle_rad, feed) else {
+            return Ok(Err(format!("a pass of cycle {} goes at no constant feed", cycle.name)));
+        };
+        found.left_out.run_in_and_out += whole.len() - proper.len();
+        let line = line(&samples[proper.clone()], &angle_rad[proper.clone()]);
         let first = found.samples.len();
-        for i in pass {
+        for i in whole.start + proper.start..whole.start + proper.end {
             let angle = line.at(motion.samples[i].time_s);
             let near = &motion.samples[i].position;
             let commanded = commanded(motion.machine, cycle, sweep, angle, near);
@@ -84,6 +93,7 @@ fn of_cycle(motion: &Motion<'_>, cycle: &Cycle) -> Result<Result<Found, String>,
         }
         found.passes.push(first..found.samples.len());
     }
+    found.left_out.elsewhere = motion.samples.len() - found.samples.len() - found.left_out.run_in_and_out;
     Ok(Ok(found))
 }
 
@@ -164,6 +174,15 @@ fn passes(samples: &[AxisSample], lead: &Lead, slowest: f64) -> Vec<Range<usize>
     passes
 }
 
+/// Speed of the lead over most of a pass, rad/s; not a number where time does not go on.
+fn usual_speed(samples: &[AxisSample], angle_rad: &[f64]) -> f64 {
+    let steps = samples.windows(2).zip(angle_rad.windows(2));
+    let speeds: Vec<f64> = steps
+        .map(|(samples, angle)| (angle[1] - angle[0]) / (samples[1].time_s - samples[0].time_s))
+        .collect();
+    upper_median(&speeds).unwrap_or(f64::NAN)
+}
+
 struct Line {
     middle_s: f64,
     middle: f64,
@@ -199,6 +218,7 @@ fn smoothed(motion: &Motion<'_>, why: String) -> Result<Found, AttributionError>
         positions: Vec::new(),
         angle_rad: Vec::new(),
         passes: Vec::new(),
+        left_out: LeftOut::default(),
     };
     let stretches = stretches(&times);
     for stretch in &stretches {
@@ -225,6 +245,7 @@ fn smoothed(motion: &Motion<'_>, why: String) -> Result<Found, AttributionError>
         let (low, high) = (*possible.start(), *possible.end());
         return Err(AttributionError::Knots { knot_s: motion.knot_s, low, high });
     }
+    found.left_out.elsewhere = motion.samples.len() - found.samples.len();
     Ok(found)
 }
 

@@ -1,6 +1,6 @@
 //! An attribution as findings: text, page and JSON are those of every method.
 
-use super::{Attribution, Deviation, Ideal, Share, largest};
+use super::{Attribution, Deviation, Ideal, LeftOut, Share, largest};
 use crate::Findings;
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundValue, Plot};
 use crate::recipes::Convention;
@@ -165,6 +165,7 @@ impl Attribution {
         };
         vec![
             ideal,
+            self.judged(),
             "A share is what disappears at the tool point, against the table, when the measured motion of one axis is replaced by \
              its ideal motion."
                 .into(),
@@ -172,6 +173,23 @@ impl Attribution {
                 .into(),
             format!("The shares add up to all together within {:.3} µm.", self.beyond_sum_mm * 1e3),
         ]
+    }
+
+    /// How many positions the figures hold, and what was left out of them.
+    fn judged(&self) -> String {
+        let LeftOut { run_in_and_out, elsewhere } = self.left_out;
+        let judged = self.time_s.len();
+        let of_all = format!("{judged} of {} axis positions are judged", judged + run_in_and_out + elsewhere);
+        match (&self.ideal, run_in_and_out + elsewhere) {
+            (_, 0) => format!("{of_all}."),
+            (Ideal::Cycle { .. }, _) => format!(
+                "{of_all}: those at the constant feed of a pass. Left out: {run_in_and_out} of run-in and run-out, {elsewhere} \
+                 outside the passes."
+            ),
+            (Ideal::Smooth { .. }, _) => {
+                format!("{of_all}. Left out: {elsewhere} in stretches too short for a smooth path.")
+            }
+        }
     }
 }
 

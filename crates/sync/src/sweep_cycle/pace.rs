@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 use trunnion_core::AxisValues;
 
 /// Positions within this of an instant count, s.
-const HALF_S: f64 = 0.05;
+pub(super) const HALF_S: f64 = 0.05;
 /// A controller that shows its axes seldom is looked at so far on both sides, s: half of what the alignment bridges.
 const FARTHEST_S: f64 = 0.375;
 /// Positions on each side of the instant that are waited for.
