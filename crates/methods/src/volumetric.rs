@@ -9,17 +9,21 @@
 //! The rigid displacement that fits all of e best is removed first ([`Datum::BestFit`]): no measurement between table and tool
 //! sees where the workpiece was put, and the figure should not depend on it. A direction that the data do not see is left out of
 //! the figure where it moves anything else; then the figure is a lower bound, and the direction is named.
+//! The grid is dense enough for the shortest wave of the model where it may have so many places; what it misses is stated (`density`).
 //! Limits: at rest, without direction of travel, at the temperature and time of the first point; inside the measured ranges; what
 //! the model lacks is not in it. The range of a map grows with its noise: it means something when well above its u.
 
 mod columns;
+mod density;
 mod rigid;
 mod volume;
 
+pub use density::{Looked, MISSES};
 pub use volume::{Volume, VolumeError};
 
 use crate::NotTabulated;
 use columns::Columns;
+use density::Lines;
 use nalgebra::{DMatrix, DVector, Point3, RowDVector, Vector3};
 use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_effects::Model;
@@ -62,6 +66,8 @@ pub struct VolumetricMap {
     pub unseen: Vec<Unseen>,
     /// Axes of the volume that stood still in the runs: what they do is in no figure.
     pub stood_still: Vec<Joint>,
+    /// How densely each axis of the volume was looked at.
+    pub looked: Vec<Looked>,
     /// Effects that are not in the map, or only partly, and why.
     pub left_out: Vec<NotTabulated>,
 }
@@ -171,12 +177,14 @@ impl VolumetricMap {
             low: at,
             high: at,
         };
+        let looked = Lines::new(experiment, model, fit, &volume).looked()?;
         let stood_still = volume.moving().filter(|&letter| !scene.moves(letter)).collect();
         Ok(Self {
             machine: fit.machine.clone(),
             runs: fit.runs.clone(),
             unseen: unseen(fit, &columns, &map),
             stood_still,
+            looked,
             left_out: columns.left_out,
             volume,
             datum,
@@ -184,6 +192,21 @@ impl VolumetricMap {
             ranges,
             longest,
         })
+    }
+}
+
+impl Volume {
+    /// The same with as many places along each axis as the model needs, so that no extreme lies between them.
+    ///
+    /// # Errors
+    /// An effect the machine cannot have.
+    pub fn dense(
+        &self,
+        experiment: &Experiment,
+        model: &Model,
+        fit: &Identification,
+    ) -> Result<Self, IdentifyError> {
+        Lines::new(experiment, model, fit, self).dense()
     }
 }
 

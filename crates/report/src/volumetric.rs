@@ -3,7 +3,7 @@
 use crate::number::{MISSING, trimmed, um, value_and_u};
 use std::collections::BTreeMap;
 use trunnion_core::Joint;
-use trunnion_results::{Datum, ErrorMap, LocationError, ResidualAxis, Volumetric, VolumetricValue};
+use trunnion_results::{Datum, ErrorMap, LocationError, Looked, ResidualAxis, Volumetric, VolumetricValue};
 
 /// Heads of the table of values.
 pub const HEADS: [&str; 4] = ["over the volume", "value", "u", "from where to where"];
@@ -12,17 +12,23 @@ pub const HEADS: [&str; 4] = ["over the volume", "value", "u", "from where to wh
 pub fn rows(answer: &Volumetric) -> Vec<Vec<String>> {
     let row = |found: &VolumetricValue| {
         let (value, u) = value_and_u(Some(found.value), Some(found.u).filter(|u| *u > 0.0), &found.unit);
-        let (name, place) = match range_of(found) {
-            Some(letter) => {
-                let what = if letter.is_rotary() { "orientation" } else { "position" };
-                let place = format!("{} to {}", at(answer, &found.from), at(answer, &found.to));
-                (format!("largest range of {what} in {letter}"), place)
-            }
-            None => ("longest vector of position".into(), at(answer, &found.to)),
+        let place = match range_of(found) {
+            Some(_) => format!("{} to {}", at(answer, &found.from), at(answer, &found.to)),
+            None => at(answer, &found.to),
         };
-        vec![name, value, u, place]
+        vec![name_of(found), value, u, place]
     };
     answer.values.iter().map(row).collect()
+}
+
+fn name_of(found: &VolumetricValue) -> String {
+    range_of(found).map_or_else(
+        || "longest vector of position".into(),
+        |letter| {
+            let what = if letter.is_rotary() { "orientation" } else { "position" };
+            format!("largest range of {what} in {letter}")
+        },
+    )
 }
 
 /// The direction whose range it is; `None` for the longest vector.
@@ -40,12 +46,40 @@ fn at(answer: &Volumetric, position: &BTreeMap<String, f64>) -> String {
     answer.axes.iter().filter_map(axis).collect::<Vec<_>>().join(" ")
 }
 
+/// How densely the volume was looked at, and what that misses.
+fn density(answer: &Volumetric) -> String {
+    let step = |looked: &Looked| {
+        let unit =
+            if answer.axes.iter().any(|axis| axis.name == looked.axis && axis.rotary) { "°" } else { " mm" };
+        format!("{} every {}{unit} ({} places)", looked.axis, trimmed(looked.step, 3), looked.places)
+    };
+    let steps: Vec<String> = answer.looked.iter().map(step).collect();
+    let coarse: Vec<String> = answer
+        .values
+        .iter()
+        .filter(|found| answer.is_coarse(found))
+        .map(|found| {
+            let (missed, _) = value_and_u(Some(found.missed), None, &found.unit);
+            format!("{} by up to {missed}", name_of(found))
+        })
+        .collect();
+    let misses = match coarse.is_empty() {
+        true => "Along no axis is a figure larger between these places by more than 1 % or its u.".into(),
+        false => format!(
+            "That is too coarse for the waves of this model. Between these places may be larger: {}. Take more --steps, or a smaller --volume.",
+            coarse.join("; ")
+        ),
+    };
+    format!("Looked at: {}. {misses}", steps.join(", "))
+}
+
 /// What the figures are and what they lack, in sentences.
 pub fn notes(answer: &Volumetric) -> Vec<String> {
     let mut notes = vec![match answer.datum {
         Datum::Fit => "Deviation of tool against table in the axes of the table; the rigid displacement of the whole volume that fits best is removed (how the workpiece is set).".to_owned(),
         Datum::Model => "Deviation of tool against table in the axes of the table, in the coordinate system that the zeros of the model's parameters define.".to_owned(),
     }];
+    notes.push(density(answer));
     if answer.lower_bound {
         let alike = answer.unseen.chunk_by(|a, b| a.moves == b.moves);
         let mut lacks: Vec<String> = alike
@@ -120,6 +154,6 @@ pub fn verdict(answer: &Volumetric) -> String {
     let is_it = |name: &String| name == letter.as_str();
     let lacking =
         !answer.stood_still.is_empty() || answer.unseen.iter().any(|unseen| unseen.moves.iter().any(is_it));
-    let bound = if lacking { "at least " } else { "" };
+    let bound = if lacking || answer.is_coarse(range) { "at least " } else { "" };
     format!("Volumetric accuracy of {}: {bound}{} in {letter}", answer.machine, um(range.value))
 }

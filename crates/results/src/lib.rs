@@ -121,7 +121,7 @@ pub use story::{
 pub use time_quality::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
 pub use topics::{Published, SamplesRemoved, StorageNow, StorageState};
 pub use volumetric::{
-    Datum, ErrorAt, ErrorMap, ErrorMapFormat, Unseen, Volumetric, VolumetricFormat, VolumetricValue,
+    Datum, ErrorAt, ErrorMap, ErrorMapFormat, Looked, Unseen, Volumetric, VolumetricFormat, VolumetricValue,
 };
 pub use written::{
     Imported, Joined, JoinedFormat, JoinedPart, Scrubbed, ScrubbedFormat, ScrubbedRecording, Simulation,

@@ -26,6 +26,9 @@ pub struct Volumetric {
     pub volume: BTreeMap<String, [f64; 2]>,
     /// Places of the grid.
     pub places: usize,
+    /// How densely each axis that moves was looked at.
+    #[serde(default)]
+    pub looked: Vec<Looked>,
     /// What the deviations are against.
     pub datum: Datum,
     /// Largest ranges, and the longest vector.
@@ -68,12 +71,26 @@ pub struct VolumetricValue {
     pub value: f64,
     /// Standard uncertainty in `unit`.
     pub u: f64,
+    /// By how much more it may be between the places of the grid.
+    #[serde(default)]
+    pub missed: f64,
     /// Unit.
     pub unit: String,
     /// Axis positions of the lowest deviation, mm and degrees.
     pub from: BTreeMap<String, f64>,
     /// Axis positions of the highest.
     pub to: BTreeMap<String, f64>,
+}
+
+/// How densely one axis was looked at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Looked {
+    /// The axis.
+    pub axis: String,
+    /// Places along it.
+    pub places: usize,
+    /// Their distance, mm or degrees.
+    pub step: f64,
 }
 
 /// A direction in parameter space that is not observed.
@@ -143,25 +160,39 @@ impl ErrorMap {
 }
 
 impl Volumetric {
+    /// True where the grid is too coarse for a figure: of each axis it may miss no more than a grid that is dense enough.
+    pub fn is_coarse(&self, figure: &VolumetricValue) -> bool {
+        figure.missed > self.looked.len() as f64 * figure.u.max(methods::MISSES * figure.value)
+    }
+
     /// The figures of a map of a machine with these axes.
     pub fn new(map: &methods::VolumetricMap, axes: &[Joint]) -> Self {
         let at = |k: usize| -> BTreeMap<String, f64> {
             axes.iter().map(|&axis| (axis.to_string(), screen(axis, map.points[k].position[axis]))).collect()
         };
-        let value = |name: String, rotation: bool, extreme: &methods::Extreme| {
+        let value = |name: String, rotation: bool, missed: f64, extreme: &methods::Extreme| {
             let scaled = if rotation { urad_from_rad } else { um_from_mm };
             VolumetricValue {
                 name,
                 value: scaled(extreme.value),
                 u: scaled(extreme.u),
+                missed: scaled(missed),
                 unit: if rotation { "urad" } else { "um" }.into(),
                 from: at(extreme.low),
                 to: at(extreme.high),
             }
         };
-        let ranges = Joint::ALL.into_iter().zip(&map.ranges);
-        let ranges =
-            ranges.map(|(axis, range)| value(format!("range-{}", axis.lower()), axis.is_rotary(), range));
+        let missed = |k: usize| map.looked.iter().map(|looked| looked.missed[k]).sum::<f64>();
+        let ranges = Joint::ALL.into_iter().zip(&map.ranges).enumerate();
+        let ranges = ranges.map(|(k, (axis, range))| {
+            value(format!("range-{}", axis.lower()), axis.is_rotary(), missed(k), range)
+        });
+        let missed_mm = missed(0).hypot(missed(1)).hypot(missed(2));
+        let looked = |looked: &methods::Looked| Looked {
+            axis: looked.axis.to_string(),
+            places: looked.places,
+            step: screen(looked.axis, looked.step),
+        };
         let range_of = |&axis: &Joint| {
             let (low, high) = map.volume.range[axis];
             (axis.to_string(), [screen(axis, low), screen(axis, high)])
@@ -173,11 +204,12 @@ impl Volumetric {
             axes: named(axes),
             volume: axes.iter().map(range_of).collect(),
             places: map.points.len(),
+            looked: map.looked.iter().map(looked).collect(),
             datum: match map.datum {
                 methods::Datum::BestFit => Datum::Fit,
                 methods::Datum::Model => Datum::Model,
             },
-            values: ranges.chain([value("longest-vector".into(), false, &map.longest)]).collect(),
+            values: ranges.chain([value("longest-vector".into(), false, missed_mm, &map.longest)]).collect(),
             lower_bound: map.lower_bound(),
             unseen: map
                 .unseen

@@ -91,15 +91,15 @@ impl Fit {
         Ok((&trunnion_methods::AxisErrors::new(points, model, self.identification())?).into())
     }
 
-    /// Deviations of tool against table over a volume, e.g. `X=-200..200,B=-90..90`, at so many places along each axis, of a point
-    /// in tool axes (mm).
+    /// Deviations of tool against table over a volume, e.g. `X=-200..200,B=-90..90`, at `steps` places along each axis, else at as many as the
+    /// model needs; of a point in tool axes (mm).
     ///
     /// # Errors
     /// A volume that the machine does not have.
     pub fn volumetric(
         &self,
         volume: &str,
-        steps: usize,
+        steps: Option<usize>,
         point_in_tool_mm: [f64; 3],
         datum: Datum,
     ) -> Result<Volumetric, Error> {
@@ -108,15 +108,20 @@ impl Fit {
         let map_of = |volume: Volume| {
             let volume = Volume { point_in_tool_mm, ..volume };
             let (points, model) = (experiment.points(), self.model().entries());
+            let volume = match steps {
+                Some(_) => volume,
+                None => volume.dense(points, model, self.identification())?,
+            };
             VolumetricMap::new(points, model, self.identification(), volume, datum)
         };
-        let asked = Volume::parse(volume, steps, scene)?;
+        let at_first = steps.unwrap_or(AT_FIRST);
+        let asked = Volume::parse(volume, at_first, scene)?;
         let mut words = asked.words(experiment.machine());
         let mut map = map_of(asked)?;
         // An R-test knows nothing of the linear axes: it has a range of the rotary axes, and no volume.
         if volume.is_empty()
             && map.shows_nothing()
-            && let Ok(rotary) = Volume::of_rotary_axes(steps, scene)
+            && let Ok(rotary) = Volume::of_rotary_axes(at_first, scene)
         {
             words = format!(
                 "{} (the model says nothing of the linear axes, so the rotary axes go over their measured range)",
@@ -159,6 +164,9 @@ impl Volumetric {
         trunnion_report::error_map_csv(&self.map)
     }
 }
+
+/// Places along each axis before the model is asked how many it needs.
+const AT_FIRST: usize = 2;
 
 /// Which axis made the deviation of a recording on the fly, from the axes' own encoders. The ideal motion comes from the cycle in
 /// the recording, unless `smooth` asks for a smooth path with a knot every `knot_s`.

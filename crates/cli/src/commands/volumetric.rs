@@ -22,9 +22,9 @@ pub struct Args {
     /// Ranges in mm and degrees, e.g. "X=-200..200,Z=0..300,B=-90..90,C=30"; what is not named is at its measured range (linear axes) or at zero (rotary axes)
     #[arg(long, value_name = "RANGES", default_value = "", allow_hyphen_values = true)]
     volume: String,
-    /// Places along each axis that moves
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u16).range(2..=101))]
-    steps: u16,
+    /// Places along each axis that moves; without it as many as the waves of the model need, seven or more where there may be so many
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=101))]
+    steps: Option<u16>,
     /// Point of the tool to look at, tool axes, mm: 0,0,-100 is the tip of a tool 100 mm longer than the machine file's tool point
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true, value_parser = point)]
     tool_point: Point,
@@ -65,7 +65,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let loaded = load::runs(&args.runs)?;
     let (outcome, experiment) = (loaded.stated_judgement(), loaded.experiment);
     let fit = experiment.fit(&args.model.model(&experiment)?)?;
-    let answer = fit.volumetric(&args.volume, usize::from(args.steps), args.tool_point.0, args.datum)?;
+    let answer = fit.volumetric(&args.volume, args.steps.map(usize::from), args.tool_point.0, args.datum)?;
     if let Some(path) = &args.html {
         output::write(path, &answer.page())?;
     }

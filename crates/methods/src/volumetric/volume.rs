@@ -5,7 +5,7 @@ use trunnion_effects::Scene;
 use trunnion_machine::Machine;
 
 /// Most places of a grid.
-const MOST_PLACES: usize = 10_000;
+pub const MOST_PLACES: usize = 10_000;
 /// Beyond the measured range by no more than this counts as inside, mm and rad.
 const INSIDE: f64 = 1e-6;
 
@@ -17,7 +17,7 @@ pub struct Volume {
     /// Smallest and largest position, mm and rad; an axis at one place has both alike.
     pub range: AxisValues<(f64, f64)>,
     /// Places of each axis that moves.
-    pub steps: usize,
+    pub steps: AxisValues<usize>,
     /// Point of the tool looked at, tool axes, mm; zero is the tool point of the machine file.
     pub point_in_tool_mm: [f64; 3],
 }
@@ -96,6 +96,7 @@ impl Volume {
             }
             range[letter] = inside;
         }
+        let steps = AxisValues::from_fn(|_| steps);
         Self { joints: machine.joints(), range, steps, point_in_tool_mm: [0.0; 3] }.checked()
     }
 
@@ -108,11 +109,12 @@ impl Volume {
         let moved =
             |letter: Joint| if letter.is_rotary() { scene.position_range[letter] } else { (0.0, 0.0) };
         let range = AxisValues::of(joints.iter().copied(), moved);
+        let steps = AxisValues::from_fn(|_| steps);
         Self { joints, range, steps, point_in_tool_mm: [0.0; 3] }.checked()
     }
 
     fn checked(self) -> Result<Self, VolumeError> {
-        let places = (self.steps as f64).powi(self.moving().count() as i32);
+        let places: f64 = self.moving().map(|letter| self.steps[letter] as f64).product();
         match () {
             () if places <= 1.0 => Err(VolumeError::Empty),
             () if places > MOST_PLACES as f64 => Err(VolumeError::TooMany { places }),
@@ -131,7 +133,8 @@ impl Volume {
         if high <= low {
             return vec![low];
         }
-        (0..self.steps).map(|k| low + (high - low) * k as f64 / (self.steps - 1) as f64).collect()
+        let steps = self.steps[letter];
+        (0..steps).map(|k| low + (high - low) * k as f64 / (steps - 1) as f64).collect()
     }
 
     /// All positions, the last axis fastest.

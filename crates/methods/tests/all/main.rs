@@ -10,6 +10,7 @@ mod circular;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../engine/tests/all/common.rs"]
 mod common;
+mod density;
 mod error_map;
 mod geometry;
 mod methods;

@@ -79,9 +79,16 @@ fn section(map: &ErrorMap, [across, up, through]: [Along<'_>; 3], magnification:
             if map.axes[axis].rotary { nearest_zero() } else { middle() }.unwrap_or(0.0)
         })
         .collect();
+    let drawn = [across.axis, up.axis].map(|axis| {
+        let positions = positions(axis);
+        let every = positions.len().div_ceil(MOST_LINES).max(1);
+        (axis, positions.into_iter().step_by(every).collect::<Vec<f64>>())
+    });
     let here = |place: &&ErrorAt| {
+        let is_at = |axis: usize, position: f64| (place.position[axis] - position).abs() < SAME;
         let others = (0..map.axes.len()).filter(|axis| ![across.axis, up.axis].contains(axis));
-        others.into_iter().all(|axis| (place.position[axis] - held[axis]).abs() < SAME)
+        others.into_iter().all(|axis| is_at(axis, held[axis]))
+            && drawn.iter().all(|(axis, positions)| positions.iter().any(|position| is_at(*axis, *position)))
     };
     let mut places: Vec<&ErrorAt> = map.places.iter().filter(here).collect();
     let by = |place: &&ErrorAt, of: Along<'_>| place.position[of.axis];
@@ -102,6 +109,9 @@ fn section(map: &ErrorMap, [across, up, through]: [Along<'_>; 3], magnification:
     let caption = format!("{title}; magnification of deviations {magnification:.0}");
     lattice(&title, &caption, [across.name, up.name], &drawn)
 }
+
+/// Lines drawn along an axis, at most; of more places every n-th.
+const MOST_LINES: usize = 13;
 
 /// Positions of the grid that differ by less are the same, mm and degrees.
 const SAME: f64 = 1e-9;
