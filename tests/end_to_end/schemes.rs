@@ -7,6 +7,8 @@ mod carried;
 mod judged;
 #[path = "../src/schemes/rows.rs"]
 mod rows;
+#[path = "../src/schemes/volumetric.rs"]
+mod volumetric;
 
 use crate::section::{Section, is_writing, workspace_root};
 use judged::{Found, found, injected};
@@ -14,6 +16,8 @@ use rows::{Row, rows};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
+use trunnion_cycles::Cycle;
+use trunnion_hil_sim::Truth;
 
 /// Deviations allowed, in standard uncertainties: of some 300 numbers none should be farther off.
 const ALLOWED_U: f64 = 4.5;
@@ -33,8 +37,8 @@ fn config(kind: &str, name: &str) -> String {
 
 /// What was found against the injected values.
 struct Outcome {
-    points: u64,
-    rms_um: f64,
+    /// How many readings, and what they leave.
+    left: String,
     numbers: usize,
     worst_u: f64,
     /// The wanted numbers.
@@ -42,7 +46,8 @@ struct Outcome {
 }
 
 fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
-    let recording = format!("{}.mcap", row.cycle);
+    // Two rows may judge the same cycle.
+    let recording = format!("{}-{}.mcap", row.cycle, row.method.unwrap_or("fit"));
     let (truth_file, cycle) = (config("truths", row.truth), config("cycles", row.cycle));
     trunnion(folder, &["simulate", &truth_file, "--cycle", &cycle, "-o", &recording]);
     let model = row.model.map(|model| config("models", model));
@@ -50,9 +55,18 @@ fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
     if let Some(model) = &model {
         args.extend(["--model", model]);
     }
+    if let Some(method) = row.method {
+        args.extend(["--method", method]);
+    }
     let answer: Value = serde_json::from_str(&trunnion(folder, &args)).unwrap();
-    let injected = injected(row, &std::fs::read_to_string(&truth_file).unwrap());
-    let numbers = found(&answer, &injected);
+    let truth_text = std::fs::read_to_string(&truth_file).unwrap();
+    let numbers = match row.method {
+        None => found(&answer, &injected(row, &truth_text)),
+        Some(_) => {
+            let cycle = Cycle::parse(row.cycle, &std::fs::read_to_string(&cycle).unwrap()).unwrap();
+            volumetric::found(&answer, &cycle, &Truth::parse(row.truth, &truth_text).unwrap())
+        }
+    };
     let mut worst_u = 0f64;
     for Found { name, value, u, expected, .. } in &numbers {
         let off = (value - expected).abs();
@@ -69,19 +83,37 @@ fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
         }
     }
     Outcome {
-        points: answer["points"].as_u64().unwrap(),
-        rms_um: answer["rms_um"].as_f64().unwrap(),
+        left: match row.method {
+            None => {
+                let points = answer["points"].as_u64().unwrap();
+                format!("{points} points, rms {:.2} µm", answer["rms_um"].as_f64().unwrap())
+            }
+            Some(_) => noises(&answer),
+        },
         numbers: numbers.len(),
         worst_u,
         wanted,
     }
 }
 
+/// What the residuals of a method come to.
+fn noises(findings: &Value) -> String {
+    let values = findings["values"].as_array().unwrap();
+    let noise = |value: &&Value| value["name"].as_str().unwrap().starts_with("noise of a reading");
+    let noises: Vec<String> = values
+        .iter()
+        .filter(noise)
+        .map(|value| format!("{:.2} µm", value["value"].as_f64().unwrap()))
+        .collect();
+    format!("noise of a reading {}", noises.join(", "))
+}
+
 /// One line of the table.
 fn line(row: &Row, outcome: &Outcome) -> String {
     let model = row.model.map_or(String::new(), |model| format!(" --model config/models/{model}.toml"));
+    let method = row.method.map_or(String::new(), |method| format!(" --method {method}"));
     let command = format!(
-        "`trunnion simulate config/truths/{}.toml --cycle config/cycles/{}.toml -o run.mcap`<br>`trunnion identify run.mcap{model}`",
+        "`trunnion simulate config/truths/{}.toml --cycle config/cycles/{}.toml -o run.mcap`<br>`trunnion identify run.mcap{model}{method}`",
         row.truth, row.cycle
     );
     let largest = |unit: &str| {
@@ -97,7 +129,7 @@ fn line(row: &Row, outcome: &Outcome) -> String {
         .filter_map(|(unit, shown)| Some(format!("u ≤ {:.2} {shown}", largest(unit)?)))
         .collect();
     format!(
-        "| {} | {} | {command} | {} | {} | {} numbers of the machine, all within {ALLOWED_U} u of the injected value, worst {:.1} u | {}; {} points, rms {:.2} µm |\n",
+        "| {} | {} | {command} | {} | {} | {} numbers of the machine, all within {ALLOWED_U} u of the injected value, worst {:.1} u | {}; {} |\n",
         row.scheme,
         row.source,
         row.identifies.join(", "),
@@ -105,8 +137,7 @@ fn line(row: &Row, outcome: &Outcome) -> String {
         outcome.numbers,
         outcome.worst_u,
         u.join(", "),
-        outcome.points,
-        outcome.rms_um,
+        outcome.left,
     )
 }
 

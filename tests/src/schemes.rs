@@ -5,6 +5,8 @@ pub mod judged;
 pub mod rows;
 mod table;
 mod trial;
+#[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+pub mod volumetric;
 
 use crate::carried;
 pub use table::{NOISES, SECTION, Tried, line};

@@ -8,6 +8,7 @@ mod circular;
 mod convention;
 mod error_map;
 mod method;
+mod multilateration;
 mod positioning;
 mod quasi_static;
 mod rotary_values;
@@ -31,6 +32,7 @@ pub static REGISTRY: &[&Method] = &[
     &positioning::METHOD,
     &thermal::METHOD,
     &quasi_static::METHOD,
+    &multilateration::METHOD,
 ];
 
 /// The method of this name.

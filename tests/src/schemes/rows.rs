@@ -19,6 +19,8 @@ pub struct Row {
     pub model: Option<&'static str>,
     /// What must be among the numbers.
     pub identifies: &'static [&'static str],
+    /// Method of the literature by which it is judged; the joint fit without one.
+    pub method: Option<&'static str>,
     /// In words for the table.
     pub cannot: &'static str,
     /// Amplitudes that the truth does not list by the name of the parameter.
@@ -34,8 +36,17 @@ pub const SQUARE_AND_SCALES: &[&str] =
     &["EC0Y", "EB0Z", "EA0Z", "linear-scale:X.scale", "linear-scale:Y.scale", "linear-scale:Z.scale"];
 
 /// By the base model and the joint fit, with nothing that the truth does not list.
-const PLAIN: Row =
-    Row { scheme: "", source: "", cycle: "", truth: "", model: None, identifies: &[], cannot: "", also: &[] };
+const PLAIN: Row = Row {
+    scheme: "",
+    source: "",
+    cycle: "",
+    truth: "",
+    model: None,
+    method: None,
+    identifies: &[],
+    cannot: "",
+    also: &[],
+};
 
 /// Every scheme.
 pub fn rows() -> impl Iterator<Item = &'static Row> {

@@ -2,6 +2,7 @@
 
 use super::judged::{Found, found, injected};
 use super::rows::Row;
+use super::volumetric;
 use crate::workspace_root;
 use anyhow::Context;
 use rand::{RngExt, SeedableRng};
@@ -13,6 +14,7 @@ use trunnion_hil_sim::physics::{Sampler, VirtualMachine};
 use trunnion_hil_sim::truth::Noise;
 use trunnion_hil_sim::{SimSetup, Truth};
 use trunnion_machine::shipped;
+use trunnion_methods::recipes::MethodOptions;
 
 /// What the readings of a trial suffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,11 +92,16 @@ pub fn trial(row: &Row, kind: NoiseKind, seed: u64) -> anyhow::Result<Vec<Found>
     let machine_text = trunnion::files::machine_text(&cycle.machine)?;
     trunnion::tables::record(&recording, &run, &machine_text, &cycle_text, &[])?;
 
+    let experiment = trunnion::open(&recording)?;
+    if let Some(method) = row.method {
+        let findings = serde_json::to_value(experiment.by_method(method, &MethodOptions::default())?)?;
+        return Ok(volumetric::found(&findings, &cycle, &truth));
+    }
     let model = match row.model {
         Some(name) => Model::load(config("models", name))?,
         None => Model::base(&cycle.machine),
     };
-    let answer = serde_json::to_value(trunnion::open(&recording)?.fit(&model)?.results())?;
+    let answer = serde_json::to_value(experiment.fit(&model)?.results())?;
     let mut injected = injected(row, &truth_text);
     injected.values_mut().for_each(|value| *value *= times);
     Ok(found(&answer, &injected))

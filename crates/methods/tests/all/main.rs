@@ -14,6 +14,7 @@ mod density;
 mod error_map;
 mod geometry;
 mod methods;
+mod multilateration;
 mod positioning;
 mod quasi_static;
 mod thermal;

@@ -160,6 +160,16 @@ pub const ROWS: &[Row] = &[
         ..PLAIN
     },
     Row {
+        scheme: "Multilateration by the same distances: error of each target, without a model",
+        source: "S2 §3.5, eq. 8",
+        cycle: "tracker",
+        truth: "table-bc-volume",
+        method: Some("multilateration"),
+        identifies: &["ΔX", "ΔY", "ΔZ"],
+        cannot: "a shift and a turn of the whole volume; turns of the tool; rotary axes (stationary)",
+        ..PLAIN
+    },
+    Row {
         scheme: "Cross-grid encoder in XY, square of places at rest",
         source: "S2 §3.3",
         cycle: "cross-grid-xy",
