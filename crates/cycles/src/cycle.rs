@@ -201,7 +201,7 @@ impl Cycle {
         near: &AxisValues<f64>,
     ) -> Option<AxisValues<f64>> {
         match &self.motion {
-            Motion::Path { path, .. } => path.position(machine, &self.setups[setup], angle_rad, near),
+            Motion::Path { path, .. } => path.position(machine, (&self.setups[setup], 0), angle_rad, near),
             Motion::Static { .. } | Motion::Line { .. } | Motion::OnTheFly { .. } => None,
         }
     }

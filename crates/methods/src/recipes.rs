@@ -12,6 +12,7 @@ mod multilateration;
 mod positioning;
 mod quasi_static;
 mod rotary_values;
+mod roundness;
 mod thermal;
 mod two_height;
 
@@ -33,6 +34,7 @@ pub static REGISTRY: &[&Method] = &[
     &thermal::METHOD,
     &quasi_static::METHOD,
     &multilateration::METHOD,
+    &roundness::METHOD,
 ];
 
 /// The method of this name.

@@ -13,7 +13,7 @@
 //! to_deg = 540
 //! feeds_mm_per_min = [1000]
 //!
-//! [cone]                              # the same, five axes at once
+//! [cone]                              # the same, five axes at once; of a machined surface about its centre, circle by circle through its targets
 //! half_angle_deg = 15                 # of the cone
 //! tilt_deg = 10                       # of its axis against the table's Z, towards X
 //! from_deg = 0
@@ -22,8 +22,14 @@
 //! ```
 
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
+use std::f64::consts::TAU;
 use trunnion_core::{AxisValues, Joint, Setup};
 use trunnion_machine::{JointErrors, Machine};
+
+/// Rounding of an angle of a target.
+const ROUNDING_RAD: f64 = 1e-9;
+/// Targets whose circles have their centres nearer are on one: files hold places to some nanometres.
+const ONE_CIRCLE_MM: f64 = 1e-3;
 
 /// A straight line from the place of each setup along its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,13 +81,63 @@ impl Line {
 }
 
 impl Path {
-    /// Radius of the curve in a setup, mm: its own, or the length of the bar.
+    /// Radius of the curve in a setup, mm: its own, the length of the bar, or that of the first circle of targets.
     pub(super) fn radius_mm(&self, setup: &Setup) -> f64 {
         let own = match self {
             Self::Circle { radius_mm, .. } => *radius_mm,
             Self::Cone { .. } => None,
         };
-        own.or(setup.bar_length_mm).unwrap_or(1.0)
+        own.or(setup.bar_length_mm).unwrap_or_else(|| match setup.artefact {
+            Some(_) => self.circle_of(setup, 0).1,
+            None => 1.0,
+        })
+    }
+
+    /// Centre, table axes, and radius of the circle through a target about the axis of the curve, mm; without targets those of the setup.
+    fn circle_of(&self, setup: &Setup, target: usize) -> (Point3<f64>, f64) {
+        let centre = setup.ball_in_table_mm;
+        if setup.artefact.is_none() {
+            return (centre, self.radius_mm(setup));
+        }
+        let axis = match self {
+            Self::Circle { plane: [first, second], .. } => {
+                Vector3::ith(first.index(), 1.0).cross(&Vector3::ith(second.index(), 1.0))
+            }
+            Self::Cone { tilt_rad, .. } => tilted(*tilt_rad) * Vector3::z(),
+        };
+        let apart = setup.target_in_table_mm(target) - centre;
+        let up = axis * apart.dot(&axis);
+        (centre + up, (apart - up).norm())
+    }
+
+    /// Targets of a setup on the way from one angle to another, circle by circle in the order of the file: the number of the circle, the way on it,
+    /// rad, and the index of the target.
+    pub(super) fn targets_between(
+        &self,
+        machine: &Machine,
+        setup: &Setup,
+        first: f64,
+        last: f64,
+    ) -> Vec<(usize, f64, usize)> {
+        let mut centres: Vec<Point3<f64>> = Vec::new();
+        let mut all: Vec<(usize, f64, usize)> = Vec::new();
+        for target in 0..setup.targets() {
+            let (centre, _) = self.circle_of(setup, target);
+            let known = centres.iter().position(|other| (other - centre).norm() < ONE_CIRCLE_MM);
+            let circle = known.unwrap_or_else(|| {
+                centres.push(centre);
+                centres.len() - 1
+            });
+            let angle = self.angle_rad(machine, setup, &setup.target_in_table_mm(target));
+            let way = ((angle - first) * (last - first).signum()).rem_euclid(TAU);
+            // At the beginning itself but for rounding.
+            let way = if TAU - way < ROUNDING_RAD { 0.0 } else { way };
+            if way < (last - first).abs() {
+                all.push((circle, way, target));
+            }
+        }
+        all.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        all
     }
 
     /// Axes that it needs.
@@ -100,7 +156,7 @@ impl Path {
                 plane.map(|letter| table.rotation.inverse() * Vector3::ith(letter.index(), 1.0))
             }
             Self::Cone { tilt_rad, .. } => {
-                let tilted = Rotation3::from_axis_angle(&Vector3::y_axis(), *tilt_rad);
+                let tilted = tilted(*tilt_rad);
                 [tilted * Vector3::x(), tilted * Vector3::y()]
             }
         };
@@ -108,16 +164,16 @@ impl Path {
         apart.dot(&up).atan2(apart.dot(&right))
     }
 
-    /// All axes at `angle_rad` of the curve. `near`: where the rotary axes stood before. `None` when the machine cannot get
+    /// All axes at `angle_rad` of the curve through a target. `near`: where the rotary axes stood before. `None` when the machine cannot get
     /// there.
     pub(super) fn position(
         &self,
         machine: &Machine,
-        setup: &Setup,
+        (setup, target): (&Setup, usize),
         angle_rad: f64,
         near: &AxisValues<f64>,
     ) -> Option<AxisValues<f64>> {
-        let radius_mm = self.radius_mm(setup);
+        let (centre, radius_mm) = self.circle_of(setup, target);
         let (sin, cos) = angle_rad.sin_cos();
         match self {
             Self::Circle { plane, .. } => {
@@ -125,21 +181,26 @@ impl Path {
                 let apart_mm = along(plane[0]) * cos + along(plane[1]) * sin;
                 let rotary = AxisValues::default();
                 let table = machine.machine_from_table(&rotary, &JointErrors::default()).rotation;
-                let place = setup.ball_in_table_mm + table.inverse() * apart_mm;
+                let place = centre + table.inverse() * apart_mm;
                 reach(machine, setup, &rotary, &place)
             }
             Self::Cone { half_angle_rad, tilt_rad } => {
-                let tilted = Rotation3::from_axis_angle(&Vector3::y_axis(), *tilt_rad);
+                let tilted = tilted(*tilt_rad);
                 let outward = tilted * Vector3::new(cos, sin, 0.0);
                 let up = tilted * Vector3::z();
                 // From the base upward and inward.
                 let generatrix = up * half_angle_rad.cos() - outward * half_angle_rad.sin();
-                let place = setup.ball_in_table_mm + outward * radius_mm;
+                let place = centre + outward * radius_mm;
                 let posed = pointing(machine, near, &place, &Unit::new_normalize(generatrix))?;
                 reach(machine, setup, &posed, &place)
             }
         }
     }
+}
+
+/// Table axes from those of a cone that is tilted towards X.
+fn tilted(tilt_rad: f64) -> Rotation3<f64> {
+    Rotation3::from_axis_angle(&Vector3::y_axis(), tilt_rad)
 }
 
 /// Turns added to the rotary axes, rad: where one has no say (a pole), the way there has no beginning.

@@ -173,8 +173,9 @@ fn read_path(root: &Table<'_>, setups: Option<&[Setup]>) -> Option<Motion> {
     let feeds = read_feeds(&table, "feeds_mm_per_min");
     table.no_other_keys();
     let has_radius = matches!(path, Some(Path::Circle { radius_mm: Some(_), .. }));
-    if !has_radius && setups.is_some_and(|setups| setups.iter().any(|setup| setup.bar_length_mm.is_none())) {
-        let allowed = "bar_length_mm in every setup: it is the radius of the curve; or radius_mm of a circle";
+    let gives_radius = |setup: &Setup| setup.bar_length_mm.is_some() || setup.artefact.is_some();
+    if !has_radius && setups.is_some_and(|setups| !setups.iter().all(gives_radius)) {
+        let allowed = "bar_length_mm or targets in every setup, which give the radius of the curve; or radius_mm of a circle";
         root.problem(key, "has no radius", allowed, "");
         return None;
     }

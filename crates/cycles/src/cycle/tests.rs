@@ -336,6 +336,28 @@ fn a_circle_has_its_own_radius_and_its_feed_along_it() {
     assert!(shown.contains("has no radius") && shown.contains("radius_mm of a circle"), "{shown}");
 }
 
+/// Every target once, in order of time, the tool's tip on it and the tool's axis in the surface.
+#[test]
+fn a_cone_is_cut_circle_by_circle_through_its_targets() {
+    let cycle = Cycle::parse("c.toml", include_str!("../../../../config/cycles/machined-cone.toml")).unwrap();
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    let visits = cycle.visits(&machine, &Pace::default()).unwrap();
+    let (setup, none) = (&cycle.setups[0], JointErrors::default());
+    let artefact = setup.artefact.as_ref().unwrap();
+    assert_eq!(visits.states.len(), artefact.targets.len());
+    for (k, state) in visits.states.iter().enumerate() {
+        assert_eq!(state.target, k);
+        let table = machine.machine_from_table(&state.position, &none);
+        let tool = machine.machine_from_tool(&state.position, &none);
+        let tip = table.inverse() * (tool * setup.ball_in_tool_mm);
+        assert!((tip - setup.target_in_table_mm(k)).norm() < 1e-6, "{k} {tip}");
+        let along = table.rotation.inverse() * (tool.rotation * Vector3::z());
+        assert!(along.dot(&artefact.normal_in_table(k).unwrap()).abs() < 1e-6, "{k}");
+    }
+    let times: Vec<f64> = visits.states.iter().map(|state| state.time_s.unwrap()).collect();
+    assert!(times.windows(2).all(|pair| pair[1] > pair[0]));
+}
+
 /// On this machine the spindle has the place that A has on others.
 #[test]
 fn a_grid_turns_the_spindle_of_its_machine_by_name() {

@@ -210,18 +210,18 @@ impl Cycle {
         }
     }
 
-    /// All axes at an angle of a pass on the fly. `near`: where the axes stood before.
+    /// All axes at an angle of a pass on the fly through a target. `near`: where the axes stood before.
     pub(super) fn on_the_way(
         &self,
         machine: &Machine,
-        setup: usize,
+        (setup, target): (usize, usize),
         angle: f64,
         near: &AxisValues<f64>,
     ) -> Option<AxisValues<f64>> {
         match &self.motion {
             Motion::Static { .. } | Motion::Line { .. } => None,
             Motion::OnTheFly { .. } => self.position(machine, setup, &self.rotary_at(angle)?),
-            Motion::Path { path, .. } => path.position(machine, &self.setups[setup], angle, near),
+            Motion::Path { path, .. } => path.position(machine, (&self.setups[setup], target), angle, near),
         }
     }
 }
@@ -291,23 +291,21 @@ impl Tour<'_> {
         let heading = (last - first).signum();
         let run_in = 0.5 * feed * self.pace.ramp_s;
         let began = first - heading * run_in;
-        let start = self.arrive(leg, self.on_the_way(leg, began))?;
+        let start = self.arrive(leg, self.on_the_way(leg, 0, began))?;
         if self.states.is_empty() {
             self.time_s = 0.0;
         }
         self.at = Some(start);
         self.time_s += self.pace.ramp_s;
-        let step_rad = feed / self.pace.points_per_s;
-        let count = ((last - first).abs() / step_rad + 1e-6).floor() as usize;
         let begin_s = self.time_s;
-        for i in 0..count {
-            let travelled = step_rad * (i as f64 + 0.5);
+        for (circle, travelled, target) in self.read_at(leg, (first, last), feed) {
             let angle = first + heading * travelled;
-            let mut state = self.arrive(leg, self.on_the_way(leg, angle))?;
+            let mut state = self.arrive(leg, self.on_the_way(leg, target, angle))?;
+            state.target = target;
             let around: Vec<AxisValues<f64>> = [-2.0, -1.0, 1.0, 2.0]
                 .iter()
                 .map(|k| {
-                    self.on_the_way(leg, angle + k * NEAR_RAD)
+                    self.on_the_way(leg, target, angle + k * NEAR_RAD)
                         .ok_or_else(|| self.cycle.cannot_follow(self.machine, leg.setup))
                 })
                 .collect::<Result<_, _>>()?;
@@ -324,7 +322,8 @@ impl Tour<'_> {
                 state.direction[axis] = heading;
                 state.since_reversal[axis] = run_in + travelled;
             }
-            self.time_s = begin_s + travelled / feed;
+            let before_s = circle as f64 * ((last - first).abs() / feed + 2.0 * self.pace.ramp_s);
+            self.time_s = begin_s + before_s + travelled / feed;
             state.time_s = Some(self.time_s);
             self.at = Some(State {
                 velocity: Default::default(),
@@ -333,13 +332,29 @@ impl Tour<'_> {
             });
             self.states.push(state);
         }
-        self.time_s = begin_s + (last - first).abs() / feed + self.pace.ramp_s;
+        let last_s = self.states.last().and_then(|state| state.time_s).unwrap_or(begin_s);
+        self.time_s = last_s.max(begin_s + (last - first).abs() / feed) + self.pace.ramp_s;
         Ok(())
     }
 
-    fn on_the_way(&self, leg: &Leg, angle: f64) -> Option<AxisValues<f64>> {
+    /// Where a pass is read: the number of the circle, the way on it, rad, and the target there. The targets of a curve, else equal times.
+    fn read_at(&self, leg: &Leg, (first, last): (f64, f64), feed: f64) -> Vec<(usize, f64, usize)> {
+        let setup = &self.cycle.setups[leg.setup];
+        match &self.cycle.motion {
+            Motion::Path { path, .. } if setup.artefact.is_some() => {
+                path.targets_between(self.machine, setup, first, last)
+            }
+            _ => {
+                let step_rad = feed / self.pace.points_per_s;
+                let count = ((last - first).abs() / step_rad + 1e-6).floor() as usize;
+                (0..count).map(|i| (0, step_rad * (i as f64 + 0.5), 0)).collect()
+            }
+        }
+    }
+
+    fn on_the_way(&self, leg: &Leg, target: usize, angle: f64) -> Option<AxisValues<f64>> {
         let near = self.at.as_ref().map_or_else(AxisValues::default, |state| state.position);
-        self.cycle.on_the_way(self.machine, leg.setup, angle, &near)
+        self.cycle.on_the_way(self.machine, (leg.setup, target), angle, &near)
     }
 
     /// Moves to the next position; the time passes, directions and travels of all axes follow.

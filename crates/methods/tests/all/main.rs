@@ -17,4 +17,5 @@ mod methods;
 mod multilateration;
 mod positioning;
 mod quasi_static;
+mod roundness;
 mod thermal;

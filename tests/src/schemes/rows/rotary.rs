@@ -165,4 +165,13 @@ pub const ROWS: &[Row] = &[
         cannot: "most location errors one by one: a test of acceptance, not of diagnosis",
         ..PLAIN
     },
+    Row {
+        scheme: "Machined cone frustum, measured on two circles",
+        source: "NAS 979; ISO 10791-7; S2 §4.5",
+        cycle: "machined-cone",
+        truth: "table-bc",
+        identifies: &["EB0B", "EY0C"],
+        cannot: "EX0B against EX0C and EA0B against EA0C (some 20 µm and 100 µrad), EZ0B; place of the part: a test of acceptance, not of diagnosis",
+        ..PLAIN
+    },
 ];

@@ -339,7 +339,7 @@ impl<'a> Guide<'a> {
         near: &AxisValues<f64>,
     ) -> Result<AxisValues<f64>, VisitError> {
         let found = match &self.cycle.motion {
-            Motion::Path { .. } => self.cycle.on_the_way(self.machine, setup, place.angle_rad, near),
+            Motion::Path { .. } => self.cycle.on_the_way(self.machine, (setup, 0), place.angle_rad, near),
             _ if self.cycle.names_linear() => Some(place.asked),
             _ => self.cycle.position(self.machine, setup, &place.asked),
         };
