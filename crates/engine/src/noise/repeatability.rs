@@ -58,13 +58,16 @@ pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<
     })
 }
 
-/// The same of every channel by itself, mm; `None` for one that does not say.
+/// The same of every channel by itself, mm, of visits from one side where there are such: an axis may come back badly from the other.
+/// `None` for a channel that does not say.
 pub(crate) fn of_channels_mm(experiment: &Experiment, passes: &Passes) -> Vec<Option<f64>> {
-    let repeats = repeats(experiment, passes, false);
-    let channels = repeats.iter().map(|repeat| repeat.difference_mm.len()).max().unwrap_or(0);
+    let of_sides = [true, false].map(|from_one_side| repeats(experiment, passes, from_one_side));
+    let channels = of_sides[1].iter().map(|repeat| repeat.difference_mm.len()).max().unwrap_or(0);
     let of_channel = |channel: usize| {
-        let own: Vec<f64> = differences(&repeats).filter(|(k, _)| *k == channel).map(|(_, d)| d).collect();
-        Scatter::of_differences(&own).map(|scatter| scatter.sigma_mm)
+        of_sides.iter().find_map(|repeats| {
+            let own = differences(repeats).filter(|(k, _)| *k == channel).map(|(_, d)| d);
+            Scatter::of_differences(&own.collect::<Vec<f64>>()).map(|scatter| scatter.sigma_mm)
+        })
     };
     (0..channels).map(of_channel).collect()
 }

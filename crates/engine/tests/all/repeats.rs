@@ -4,10 +4,11 @@ use crate::common::points_run;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_core::Joint;
+use trunnion_core::{Joint, State};
 use trunnion_cycles::Run;
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
+use trunnion_engine::plausibility::implausible;
 use trunnion_engine::{Approach, Experiment, Repeatability, identify};
 
 const WHITE_MM: f64 = 0.3e-3;
@@ -69,4 +70,18 @@ fn a_repeatability_of_means_says_of_how_many_readings() {
     let of_means = fit.repeatability.expect("repeats");
     assert!(expected > 1.2 && (of_means.readings - expected).abs() < 1e-9, "{of_means:?}, {expected}");
     assert!(of_means.sigma_mm < 0.97 * WHITE_MM, "{of_means:?}");
+}
+
+/// One probe reads how Y comes back from the other side, up to ± 8 µm: from one side it repeats as the others do, so it is not loose.
+#[test]
+fn a_probe_that_repeats_from_one_side_is_not_called_loose() {
+    let is_loose = |shift: fn(usize, &State) -> f64| {
+        let mut run = rounds(2, 0.0);
+        for (i, point) in run.points.iter_mut().enumerate() {
+            point.reading_mm[2] += 8e-3 * shift(i, &point.state);
+        }
+        implausible(&[run]).iter().any(|found| found.finding.contains("those of the other probes"))
+    };
+    assert!(!is_loose(|_, state| state.direction[Joint::Y] * state.position[Joint::C].cos()));
+    assert!(is_loose(|i, _| (1.7 * (i * i) as f64).sin()));
 }
