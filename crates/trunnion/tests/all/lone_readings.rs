@@ -67,7 +67,7 @@ fn many_lone_readings_are_a_doubt_on_every_surface() {
         assert!(doubt.words.contains(said), "{said}: {}", doubt.words);
     }
     let compared = fit.compare();
-    let filed = compared.report(&[path.clone()], &Filing::default()).unwrap();
+    let filed = compared.report(std::slice::from_ref(&path), &Filing::default()).unwrap();
     let filed = trunnion::report::report_html(&filed, trunnion::report::Language::English);
     let json = to_json(&fit.results()).unwrap();
     let check = trunnion::report::check_text(&run.check());
