@@ -1,7 +1,7 @@
 //! An answer says what it leaves open: what comes back next to an all-clear, what a band does not hold.
 
 use trunnion_report::{correction_text, diagnosis_text, prediction_text};
-use trunnion_results::{Correction, Diagnosis, LearnedNoise, Prediction, Taken, Verdict};
+use trunnion_results::{Comparison, Correction, Diagnosis, LearnedNoise, Prediction, Taken, Verdict};
 
 fn on_one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -17,7 +17,7 @@ fn an_all_clear_states_the_pattern_that_comes_back() {
             noise,
             ..Diagnosis::default()
         };
-        on_one_line(&diagnosis_text(&all_clear, &[]))
+        on_one_line(&diagnosis_text(&Comparison { diagnosis: Some(all_clear), ..Comparison::default() }))
     };
     assert!(said(0.25).contains("A pattern over the positions of some 0.25 µm comes back"), "{}", said(0.25));
     assert!(!said(0.1).contains("pattern"), "smaller than what would have been noticed");
