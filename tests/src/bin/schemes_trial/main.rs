@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use clap::Parser;
-use trunnion_tests::schemes::rows::rows;
+use trunnion_tests::schemes::rows::{Row, rows};
 use trunnion_tests::schemes::{NOISES, SECTION, Tried, line, trial};
 use trunnion_tests::section::Section;
 use trunnion_tests::workspace_root;
@@ -16,7 +16,7 @@ struct Args {
     /// The first of them
     #[arg(long, default_value_t = 1)]
     first: u64,
-    /// Only schemes of cycles whose names hold this
+    /// Only schemes of cycles whose names hold this, or of methods
     #[arg(long, default_value = "")]
     only: String,
     /// Print rms z of every parameter
@@ -31,7 +31,8 @@ const DOCUMENT: &str = "docs/measured/schemes.md";
 
 fn main() -> anyhow::Result<()> {
     let args = Args::parse();
-    for row in rows().filter(|row| row.cycle.contains(&args.only)) {
+    let of_method = |row: &Row| row.method.is_some_and(|method| method.contains(&args.only));
+    for row in rows().filter(|row| row.cycle.contains(&args.only) || of_method(row)) {
         let begun = std::time::Instant::now();
         let mut tried = Vec::new();
         for (kind, _) in NOISES {

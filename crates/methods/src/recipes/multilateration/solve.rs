@@ -269,7 +269,10 @@ impl Places {
         let (from, to) = (middle(&self.targets), middle(nominal_mm));
         let scatter: Matrix3<f64> =
             self.targets.iter().zip(nominal_mm).map(|(x, n)| (x - from) * (n - to).transpose()).sum();
-        let turn = nalgebra::Rotation3::from_matrix(&scatter.transpose());
+        let svd = scatter.svd(true, true);
+        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return };
+        let handed = Vector3::new(1.0, 1.0, (u * v_t).determinant().signum());
+        let turn = v_t.transpose() * Matrix3::from_diagonal(&handed) * u.transpose();
         for place in self.targets.iter_mut().chain(&mut self.stations) {
             *place = turn * (*place - from) + to;
         }
