@@ -39,8 +39,7 @@ pub(super) static METHOD: Method = Method {
             to both directions together. Each has its own circularity and its rank; the share that nothing on the list explains stands last.",
     takes_axis: false,
     takes_convention: false,
-    needs: "a ball bar or a cross-grid encoder while two linear axes make a circle of 180° or more, about the table ball of a bar, best whole circles \
-            both ways",
+    needs: "a ball bar or a cross-grid encoder while two linear axes make a circle of 180° or more, best whole circles both ways",
     gives: "G of each direction, G(b), D and F (bar of known length, grid plate), squareness, scale mismatch; backlash, reversal spikes, lateral \
             play, cyclic error, servo mismatch, straightness, and what they leave",
     run,

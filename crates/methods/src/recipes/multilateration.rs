@@ -23,12 +23,11 @@ pub(super) static METHOD: Method = Method {
     name: "multilateration",
     title: "Multilateration: volumetric error at each target, without a model of the machine",
     source: "S2 (Ibaraki & Knapp 2012) §3.5, eq. 8",
-    about: "Distances from four tracking interferometers or more to the same targets give the places of the stations, their dead paths and the place \
-            of every target; its distance from the commanded place is the volumetric error there.",
+    about: "Distances from four stations or more give the places of the stations, their dead paths and the place of every target. \
+            Its distance from the commanded place is the volumetric error there.",
     takes_axis: false,
     takes_convention: false,
-    needs: "distances of a tracker (instrument tracker) from four stations or more, not in one plane, to ten targets or more that each of four \
-            stations saw",
+    needs: "distances of a tracker from four stations or more, not in one plane, to ten targets or more that each of four stations saw",
     gives: "ΔX, ΔY, ΔZ of every target with u, their ranges; places of the stations and dead paths; noise of a reading",
     run,
 };

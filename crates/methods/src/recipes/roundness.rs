@@ -24,8 +24,7 @@ pub(super) static METHOD: Method = Method {
             range about the least-squares circle.",
     takes_axis: false,
     takes_convention: false,
-    needs: "a machined or probed surface (instrument machined-surface or touch-probe-face) whose targets, twelve or more at each height, lie on circles \
-            about Z of the artefact, with normals",
+    needs: "a machined or probed surface whose targets, twelve or more at each height, lie on circles about Z of the artefact, with normals",
     gives: "roundness of each circle by minimum zone and by least squares, place of its centre, mean deviation of its radius",
     run,
 };
