@@ -14,7 +14,7 @@ mod motion;
 mod present;
 mod smooth;
 
-pub use motion::{Ideal, Motion};
+pub use motion::{Ideal, LeftOut, Motion};
 
 pub use error::AttributionError;
 
@@ -47,15 +47,6 @@ pub struct Attribution {
     pub together: Deviation,
     /// Largest difference between the sum of the shares and all together, mm.
     pub beyond_sum_mm: f64,
-}
-
-/// Samples that no figure holds, by reason.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LeftOut {
-    /// Of a pass, before its feed is reached and after it is left.
-    pub run_in_and_out: usize,
-    /// Of no pass: synchronisation moves, dwells, ways back. On a smooth path: of stretches too short for it.
-    pub elsewhere: usize,
 }
 
 /// What one axis did.

@@ -33,7 +33,7 @@ const fn with(cycle: &'static str, model: &'static str) -> Case {
 }
 
 /// Every instrument and every way of measuring that ships.
-pub const CASES: [Case; 44] = [
+pub const CASES: [Case; 52] = [
     base("ball-bar-c"),
     with("ball-plate", "volume"),
     with("ball-plate-self", "self-calibration"),
@@ -46,6 +46,13 @@ pub const CASES: [Case; 44] = [
     with("circle-xy", "straight-lines-xy"),
     with("circle-yz", "straight-lines-yz"),
     with("circle-zx", "straight-lines-zx"),
+    with("cross-grid-circle-xy", "straight-lines-xy"),
+    with("cross-grid-circle-yz", "straight-lines-yz"),
+    with("cross-grid-circle-zx", "straight-lines-zx"),
+    with("cross-grid-small", "straight-lines-xy"),
+    with("cross-grid-xy", "plane-xy"),
+    with("cross-grid-yz", "plane-yz"),
+    with("cross-grid-zx", "plane-zx"),
     base("demo-static"),
     base("demo-sweep-c"),
     with("diagonal", "straight-lines"),
@@ -57,6 +64,7 @@ pub const CASES: [Case; 44] = [
     with("level", "volume"),
     with("linear-x", "straight-line-x"),
     base("machined-column"),
+    base("machined-cone"),
     with("passive-arm", "straight-lines-xy-bc"),
     base("r-test-feeds-c"),
     base("r-test-head-a-table-c"),

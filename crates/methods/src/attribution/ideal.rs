@@ -5,7 +5,9 @@
 //! cycle says where all axes should be then. What all axes have in common, a delay of the time stamps, is in that line and in
 //! nobody's share. Run-in and run-out, where the feed is not reached yet or left, have no ideal motion.
 
-use super::{AttributionError, Ideal, LeftOut, Motion, smooth};
+use super::error::AttributionError;
+use super::motion::{Ideal, LeftOut, Motion};
+use super::smooth;
 use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
 use trunnion_core::statistics::upper_median;

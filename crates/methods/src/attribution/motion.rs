@@ -37,3 +37,12 @@ pub enum Ideal {
         why: String,
     },
 }
+
+/// Samples that no figure holds, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Of a pass, before its feed is reached and after it is left.
+    pub run_in_and_out: usize,
+    /// Of no pass: synchronisation moves, dwells, ways back. On a smooth path: of stretches too short for it.
+    pub elsewhere: usize,
+}

@@ -10,6 +10,7 @@
 //! Limits: one noise for all readings; stations at rest; a drift between stations is in no u; angles of the spindle only as far as they move the
 //! reflector; air and wavelength compensated before.
 
+mod normal;
 mod observed;
 mod report;
 mod solve;

@@ -1,6 +1,6 @@
 //! Schemes of linear axes.
 
-use super::{PLAIN, Row, SQUARE, SQUARE_AND_SCALES};
+use super::row::{PLAIN, Row, SQUARE, SQUARE_AND_SCALES};
 
 /// What the truths `three-axis-volume` and `table-bc-volume` hold in addition to squarenesses, by the names of a volume: scales as displacement at the
 /// end of the measured range (µm), bows P2 and S-shapes P3 of the guides (µm), turns of the carriages (µrad).

@@ -1,6 +1,6 @@
 //! Schemes of rotary axes.
 
-use super::{LOCATIONS, PLAIN, Row};
+use super::row::{LOCATIONS, PLAIN, Row};
 
 pub const ROWS: &[Row] = &[
     Row {

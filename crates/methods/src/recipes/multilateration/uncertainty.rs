@@ -6,7 +6,7 @@
 //!     cov X_j = (P_j + R_j K) Q (P_j + R_j K)ᵀ + R_j V R_jᵀ,  P_j picks station j out of s.
 //! What B leaves to the rigid motions drops out, for G_i − R_i K and P_j + R_j K are zero for them.
 
-use super::solve::{Normal, Places, rigid_motions};
+use super::normal::{Normal, Places, rigid_motions};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Matrix6, Matrix6xX, Vector3};
 
 /// For unit noise of a reading, mm².
