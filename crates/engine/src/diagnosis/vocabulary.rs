@@ -149,24 +149,17 @@ impl Vocabulary {
         let carrier = self.carriers[c].column.map(|x| x as Real);
         let mut pairs: DMatrix<Real> = DMatrix::zeros(points, points);
         let (mut on_readings, mut squares) = (DVector::<Real>::zeros(points), DVector::<Real>::zeros(points));
-        let mut products = vec![0.0; rows];
         for j in 0..points {
-            // P is symmetric: from this point on.
-            let first = experiment.rows_of(j).start;
-            products[first..].fill(0.0);
             for column in experiment.rows_of(j) {
                 on_readings[j] += carrier[column] * here.py[column];
                 squares[j] += carrier[column] * carrier[column];
-                let below = &precision.as_slice()[column * rows + first..(column + 1) * rows];
-                for (product, value) in products[first..].iter_mut().zip(below) {
-                    *product += carrier[column] * value;
+                let of_column = &precision.as_slice()[column * rows..(column + 1) * rows];
+                for i in 0..points {
+                    let sum: Real = experiment.rows_of(i).map(|row| carrier[row] * of_column[row]).sum();
+                    pairs[(i, j)] += carrier[column] * sum;
                 }
             }
-            for i in j..points {
-                pairs[(i, j)] = experiment.rows_of(i).map(|row| carrier[row] * products[row]).sum();
-            }
         }
-        pairs.fill_upper_triangle_with_lower_triangle();
         let seen = pairs * &self.factors;
         let white = here.sigma.x[0].exp();
         let mut scores: Vec<(usize, usize, f64)> = Vec::new();

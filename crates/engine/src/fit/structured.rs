@@ -102,7 +102,7 @@ pub(crate) fn structured(
 
 /// q: the square of what the noise leaves as white in every row, over what is expected of it.
 fn squares(mode: &Mode) -> DVector<f64> {
-    let expected = mode.here.precision_diagonal();
+    let expected = mode.here.precision().diagonal();
     let of_all = mode.here.sigma.inverse.diagonal();
     DVector::from_fn(expected.len(), |row, _| match expected[row] > MOST_FITTED * of_all[row] {
         true => f64::from(mode.here.py[row].powi(2) / expected[row]),

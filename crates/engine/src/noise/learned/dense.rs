@@ -11,9 +11,7 @@ use std::ops::Range;
 /// A block up to this size is factored element by element.
 const SMALL: usize = 48;
 /// Products with a triangle leave its zeros out in strips of this width; narrower ones cost more in copies than they save.
-const STRIP: usize = 64;
-/// Side of the squares that are mirrored.
-const TILE: usize = 32;
+const STRIP: usize = 128;
 
 /// ln det of a matrix of which the lower triangle is given, with L in place of that; `None` where it is not positive definite.
 pub(super) fn factor<T: RealField + Copy>(a: &mut DMatrix<T>) -> Option<f64> {
@@ -21,14 +19,14 @@ pub(super) fn factor<T: RealField + Copy>(a: &mut DMatrix<T>) -> Option<f64> {
     factor_block(a, rows, &mut Vec::new()).filter(|log_det| log_det.is_finite())
 }
 
-/// A⁻¹ in place of L.
+/// A⁻¹ from L.
 pub(super) fn inverse<T: RealField + Copy>(mut root: DMatrix<T>) -> Option<DMatrix<T>> {
     let n = root.nrows();
-    let mut product = vec![T::zero(); n.div_ceil(2).pow(2)];
-    invert(&mut root, 0..n, &mut product)?;
-    square(&mut root, 0..n);
-    mirror(&mut root);
-    Some(root)
+    invert(&mut root, 0..n)?;
+    let mut inverse = DMatrix::zeros(n, n);
+    square(&root, &mut inverse, 0..n);
+    inverse.fill_upper_triangle_with_lower_triangle();
+    Some(inverse)
 }
 
 /// L in place of the lower triangle of a block on the diagonal; ln det of the block. `inverses`: of the small blocks of L so far, each
@@ -83,24 +81,23 @@ fn solve<T: RealField + Copy>(
     solve(a, rows, second, inverses);
 }
 
-/// R in place of L on a block of the diagonal, zero below it. `product`: room for a block beside the diagonal.
-fn invert<T: RealField + Copy>(root: &mut DMatrix<T>, block: Range<usize>, product: &mut [T]) -> Option<()> {
+/// R in place of L on a block of the diagonal, zero below it.
+fn invert<T: RealField + Copy>(root: &mut DMatrix<T>, block: Range<usize>) -> Option<()> {
     let Some([first, second]) = halves(&block) else {
         let mut of_block = root.view_mut((block.start, block.start), (block.len(), block.len()));
         let inverse = inverse_of_small(&of_block.clone_owned())?;
         of_block.tr_copy_from(&inverse);
         return Some(());
     };
-    invert(root, first.clone(), product)?;
-    invert(root, second.clone(), product)?;
+    invert(root, first.clone())?;
+    invert(root, second.clone())?;
     let n = root.nrows();
     let (left, right) = root.as_mut_slice().split_at_mut(second.start * n);
-    let rows = first.len();
+    let mut product = DMatrix::zeros(first.len(), second.len());
     for strip in strips(&first) {
         let triangle = view(left, n, strip.clone(), strip.start..first.end);
         let across = transposed(left, n, second.clone(), strip.start..first.end);
-        let from = strip.start - first.start;
-        view_mut(product, rows, from..from + strip.len(), 0..second.len()).gemm(
+        product.rows_mut(strip.start - first.start, strip.len()).gemm(
             T::one(),
             &triangle,
             &across,
@@ -111,57 +108,32 @@ fn invert<T: RealField + Copy>(root: &mut DMatrix<T>, block: Range<usize>, produ
         let columns = strip.start - second.start..strip.end - second.start;
         let mut whole = view_mut(right, n, 0..n, columns.clone());
         let (mut above, triangle) = whole.rows_range_pair_mut(first.clone(), second.start..strip.end);
-        above.gemm(-T::one(), &view(product, rows, 0..rows, 0..columns.end), &triangle, T::zero());
+        above.gemm(-T::one(), &product.columns(0, columns.end), &triangle, T::zero());
     }
-    // What strips of triangles reach over the diagonal.
-    let (above, below) =
-        (second.start.saturating_sub(STRIP).max(first.start), second.end.min(second.start + STRIP));
-    view_mut(left, n, second.start..below, above..second.start).fill(T::zero());
+    view_mut(left, n, second, first).fill(T::zero());
     Some(())
 }
 
-/// The lower triangle of RRᵀ in place of R on a block of the diagonal: what stands beside the diagonal first, while R is there.
-fn square<T: RealField + Copy>(root: &mut DMatrix<T>, block: Range<usize>) {
-    let n = root.nrows();
+/// The lower triangle of RRᵀ on a block of the diagonal.
+fn square<T: RealField + Copy>(root: &DMatrix<T>, into: &mut DMatrix<T>, block: Range<usize>) {
+    let (n, of) = (root.nrows(), root.as_slice());
     let Some([first, second]) = halves(&block).filter(|_| block.len() > STRIP) else {
-        let mut of_block = root.view_mut((block.start, block.start), (block.len(), block.len()));
-        let triangle = of_block.clone_owned();
-        of_block.gemm(T::one(), &triangle, &triangle.transpose(), T::zero());
+        let mut target = into.view_mut((block.start, block.start), (block.len(), block.len()));
+        let across = transposed(of, n, block.clone(), block.clone());
+        target.gemm(T::one(), &view(of, n, block.clone(), block), &across, T::zero());
         return;
     };
-    let (left, right) = root.as_mut_slice().split_at_mut(second.start * n);
-    for strip in strips(&second) {
-        let triangle = strip.start - second.start..second.len();
-        let across = transposed(right, n, first.clone(), triangle.clone());
-        view_mut(left, n, strip.clone(), first.clone()).gemm(
-            T::one(),
-            &view(right, n, strip, triangle),
-            &across,
-            T::zero(),
-        );
-    }
-    square(root, first.clone());
-    let (left, right) = root.as_mut_slice().split_at_mut(second.start * n);
+    square(root, into, first.clone());
+    square(root, into, second.clone());
     for strip in strips(&first) {
-        let below = view(right, n, strip.start..first.end, 0..second.len());
-        let across = transposed(right, n, strip.clone(), 0..second.len());
-        view_mut(left, n, strip.start..first.end, strip).gemm(T::one(), &below, &across, T::one());
+        let across = transposed(of, n, strip.clone(), second.clone());
+        let mut target = into.view_mut((strip.start, strip.start), (first.end - strip.start, strip.len()));
+        target.gemm(T::one(), &view(of, n, strip.start..first.end, second.clone()), &across, T::one());
     }
-    square(root, second);
-}
-
-/// The lower triangle above the diagonal, in squares that fit into the nearest cache.
-fn mirror<T: RealField + Copy>(a: &mut DMatrix<T>) {
-    let n = a.nrows();
-    let all = a.as_mut_slice();
-    for from in (0..n).step_by(TILE) {
-        for beside in (from..n).step_by(TILE) {
-            for column in from..(from + TILE).min(n) {
-                for row in beside.max(column + 1)..(beside + TILE).min(n) {
-                    all[row * n + column] = all[column * n + row];
-                }
-            }
-        }
+    for strip in strips(&second) {
+        let across = transposed(of, n, first.clone(), strip.start..second.end);
+        let mut target = into.view_mut((strip.start, first.start), (strip.len(), first.len()));
+        target.gemm(T::one(), &view(of, n, strip.clone(), strip.start..second.end), &across, T::zero());
     }
 }
 

@@ -5,8 +5,6 @@
 //! "about a seventh to a quarter of the noise of a single reading, perhaps eight times as much" (σ of the logarithm 1.2): they matter where a run has few
 //! degrees of freedom, such as two passes. Where a row is a mean of many readings its white noise is smaller than theirs; what machines do is not.
 
-pub(super) mod points;
-
 use super::Real;
 use super::field::Axes;
 use crate::Experiment;
@@ -200,9 +198,95 @@ impl Kernels {
         }
     }
 
+    /// Σ over the rows of each pair of points of `matrix` ∘ gram.
+    pub fn contracted(&self, frame: &Frame, matrix: &DMatrix<Real>) -> DMatrix<Real> {
+        let (rows, points) = (matrix.nrows(), self.points);
+        let mut sums = DMatrix::zeros(points, points);
+        for column in 0..rows {
+            let of_point = self.point_of_row[column] * points;
+            let target = &mut sums.as_mut_slice()[of_point..of_point + points];
+            let a = &matrix.as_slice()[column * rows..(column + 1) * rows];
+            let b = &frame.gram.as_slice()[column * rows..(column + 1) * rows];
+            match self.components {
+                Some(1) => contract::<1>(target, a, b),
+                Some(3) => contract::<3>(target, a, b),
+                _ => {
+                    for ((a, b), &point) in a.iter().zip(b).zip(&self.point_of_row) {
+                        target[point] += a * b;
+                    }
+                }
+            }
+        }
+        sums
+    }
+
+    /// Adds, to the rows of a column of a covariance from point `first` on, gram ∘ the values of the rows' points.
+    pub fn add_expanded(&self, first: usize, target: &mut [Real], gram: &[Real], of_points: &[Real]) {
+        match self.components {
+            Some(1) => expand::<1>(target, gram, &of_points[first..]),
+            Some(3) => expand::<3>(target, gram, &of_points[first..]),
+            _ => {
+                let points = &self.point_of_row[self.rows_of_point[first].start..];
+                for ((value, gram), &point) in target.iter_mut().zip(gram).zip(points) {
+                    *value += gram * of_points[point];
+                }
+            }
+        }
+    }
+
+    /// Sums over the rows of each point of lever ∘ v: point × direction.
+    pub fn folded(&self, frame: &Frame, v: &DVector<Real>) -> DMatrix<Real> {
+        let mut sums = DMatrix::zeros(self.points, frame.lever.ncols());
+        for (row, &point) in self.point_of_row.iter().enumerate() {
+            for k in 0..frame.lever.ncols() {
+                sums[(point, k)] += frame.lever[(row, k)] * v[row];
+            }
+        }
+        sums
+    }
+
+    /// The same of several columns: point × column for each direction.
+    pub fn folded_columns(&self, frame: &Frame, columns: &DMatrix<f64>) -> Vec<DMatrix<f64>> {
+        let of_direction = |k: usize| {
+            let mut sums = DMatrix::zeros(self.points, columns.ncols());
+            for (row, &point) in self.point_of_row.iter().enumerate() {
+                let lever = f64::from(frame.lever[(row, k)]);
+                for j in 0..columns.ncols() {
+                    sums[(point, j)] += lever * columns[(row, j)];
+                }
+            }
+            sums
+        };
+        (0..frame.lever.ncols()).map(of_direction).collect()
+    }
+
+    /// Back to rows: lever · values of the row's point.
+    pub fn unfolded(&self, frame: &Frame, values: &DMatrix<Real>) -> DVector<Real> {
+        let of_row = |(row, &point): (usize, &usize)| {
+            (0..frame.lever.ncols()).map(|k| frame.lever[(row, k)] * values[(point, k)]).sum::<Real>()
+        };
+        DVector::from_iterator(self.point_of_row.len(), self.point_of_row.iter().enumerate().map(of_row))
+    }
+
     /// ln of what is expected of every size.
     pub fn means(&self) -> impl Iterator<Item = f64> + '_ {
         self.list.iter().map(|kernel| kernel.mean_ln)
+    }
+}
+
+/// Sums over the N rows of each point of a ∘ b.
+fn contract<const N: usize>(target: &mut [Real], a: &[Real], b: &[Real]) {
+    for ((sum, a), b) in target.iter_mut().zip(a.chunks_exact(N)).zip(b.chunks_exact(N)) {
+        *sum += a.iter().zip(b).map(|(a, b)| a * b).sum::<Real>();
+    }
+}
+
+/// gram ∘ the value of each point, on its N rows.
+fn expand<const N: usize>(target: &mut [Real], gram: &[Real], of_points: &[Real]) {
+    for ((rows, gram), of_point) in target.chunks_exact_mut(N).zip(gram.chunks_exact(N)).zip(of_points) {
+        for (value, gram) in rows.iter_mut().zip(gram) {
+            *value += gram * of_point;
+        }
     }
 }
 

@@ -177,8 +177,10 @@ impl Readings<'_> {
     /// Gradient and average information at one place, and what they say of every kernel.
     fn slope(&self, here: &Projected, columns: usize) -> (DVector<f64>, DMatrix<f64>, Vec<Seen>) {
         let (kernels, x) = (self.kernels, &here.sigma.x);
+        let precision = here.precision();
         let rows = self.y.len();
-        let traces = here.contracted(kernels);
+        let traces: Vec<DMatrix<Real>> =
+            kernels.frames.iter().map(|frame| kernels.contracted(frame, &precision)).collect();
         let folded: Vec<DMatrix<Real>> =
             kernels.frames.iter().map(|frame| kernels.folded(frame, &here.py)).collect();
         let mut gradient = DVector::zeros(x.len());
@@ -206,7 +208,7 @@ impl Readings<'_> {
             of_kernels.push(Seen { trace, square, information: 0.0 });
             directions.set_column(1 + k, &(seen * (2.0 * variance) as Real));
         }
-        let mut along = here.seen(&directions);
+        let mut along = &precision * &directions;
         // Σ P y stands as y where P follows.
         along.set_column(0, &(&here.py * 2.0));
         let products = directions.transpose() * along;
