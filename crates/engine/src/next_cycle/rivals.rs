@@ -32,7 +32,7 @@ impl Rivals {
 const MOST_UNDECIDED: usize = 6;
 
 /// What a diagnosis leaves open: the effects it is undecided between; its first candidate that is confused with others; a formula
-/// against the named effect it resembles; otherwise everything the present cycle cannot see.
+/// that leads against the named effect it resembles; otherwise everything the present cycle cannot see.
 pub fn wanted(diagnosis: &Diagnosis) -> Rivals {
     if diagnosis.verdict == Verdict::Undecided && diagnosis.undecided.len() > 1 {
         let open = diagnosis.undecided.iter().take(MOST_UNDECIDED);
@@ -42,7 +42,9 @@ pub fn wanted(diagnosis: &Diagnosis) -> Rivals {
         let ids = std::iter::once(&best.effect).chain(&best.confused_with);
         return Rivals::Separate(ids.map(|id| named(id)).collect());
     }
-    if let Some(formula) = &diagnosis.formula
+    // Next to a name that explains most it is another part, and no rival.
+    if diagnosis.verdict == Verdict::UnnamedStructure
+        && let Some(formula) = &diagnosis.formula
         && let Some(resembles) = &formula.resembles
     {
         return Rivals::Separate(vec![formula_entry(formula), named(resembles)]);
@@ -66,12 +68,7 @@ fn named(id: &str) -> ModelEffect {
     ModelEffect { id: id.into(), ..ModelEffect::default() }
 }
 
+/// Its first component, with the values of its shape numbers.
 fn formula_entry(formula: &FormulaProposal) -> ModelEffect {
-    ModelEffect {
-        id: Formula::id_of(&formula.name),
-        site: Some(formula.site.clone()),
-        component: Some(formula.component.clone()),
-        expression: Some(formula.expression.clone()),
-        ..ModelEffect::default()
-    }
+    formula.entries.first().cloned().unwrap_or_else(|| named(&Formula::id_of(&formula.name)))
 }
