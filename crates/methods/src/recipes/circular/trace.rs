@@ -13,8 +13,8 @@ use trunnion_machine::{Errors, JointErrors, Machine};
 /// Axes that move less than this are at rest, mm or rad.
 const STILL_MM: f64 = 0.05;
 const STILL_RAD: f64 = 1e-4;
-/// Sine of the angle by which a bar may leave its plane.
-const FLAT: f64 = 1e-3;
+/// A ball that is z out of the plane makes a bar of length L longer by z²/2L; up to this it is no circle's error, mm.
+const OUT_OF_PLANE_MM: f64 = 1e-4;
 /// Rows farther apart than so many usual steps do not follow a path; feeds of one circle do not differ by so much. A judgement, tuned on no data.
 const FARTHEST_STEPS: f64 = 10.0;
 /// The list has some twenty unknowns.
@@ -135,7 +135,8 @@ fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> 
     };
     let bars: Vec<Vector3<f64>> = points.iter().map(|p| bar_mm(machine, setup, p)).collect();
     let out_of_plane = 3 - a.index() - b.index();
-    if let Some(bar) = bars.iter().find(|bar| bar[out_of_plane].abs() > FLAT * bar.norm()) {
+    if let Some(bar) = bars.iter().find(|bar| bar[out_of_plane].powi(2) > 2.0 * OUT_OF_PLANE_MM * bar.norm())
+    {
         return Err(format!("the bar leaves the plane {a}{b} by {:.3} mm", bar[out_of_plane].abs()));
     }
     let angles: Vec<f64> = bars.iter().map(|bar| bar[b.index()].atan2(bar[a.index()])).collect();
