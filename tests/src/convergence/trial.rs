@@ -154,7 +154,11 @@ pub fn trial(case: Case, seed: u64) -> Vec<Failure> {
             [Ok(_), Err(why)] => fail("method fails with scatter", format!("{}: {why}", method.name)),
             [Err(MethodError::Fit(why)), _] => fail("method not fitted", format!("{}: {why}", method.name)),
             [_, Ok(found)] => {
-                for value in found.values.iter().filter(|value| absurd(value.value)) {
+                // A station of a tracker, as its dead path, is a setting of hundreds of millimetres.
+                let is_setting = |name: &str| name.starts_with("station ");
+                for value in
+                    found.values.iter().filter(|value| absurd(value.value) && !is_setting(&value.name))
+                {
                     fail("method absurd", format!("{} {} = {:e}", method.name, value.name, value.value));
                 }
             }
