@@ -1,12 +1,9 @@
 //! Single samples far from their neighbours, found as they come.
 //!
-//! A sample is an outlier when a component is further from the median of the seven samples around it than nine times the noise: the
-//! larger of two estimates. One follows the median distance by stochastic approximation: s ← s·(1 ± η). The other is the median absolute
-//! deviation of the seven, as in Hampel's filter [Pearson 2002]: on a smooth slope the sample itself is the median, so that the first says
-//! nothing of what a peak may do. Three or more alike in a row move the median itself and are kept: a step or a spike of the machine is
-//! no outlier.
-//! Limits: not judged beside a pause; the first 64 samples of a setup only set the scale; the last three are not judged. A display that seldom
-//! shows another value has no noise to either: single changes of it are excluded.
+//! A sample is an outlier when a component is further from the median of the seven samples around it than nine times the noise. The
+//! noise follows the median distance by stochastic approximation: s ← s·(1 ± η). Three or more alike in a row
+//! move the median itself and are kept: a step or a spike of the machine is no outlier.
+//! Limits: not judged beside a pause; the first 64 samples of a setup only set the scale; the last three are not judged.
 
 use super::Sample;
 use std::collections::VecDeque;
@@ -17,8 +14,6 @@ const SIGMAS: f64 = 9.0;
 /// Median distance of a sample of white noise from the median of seven with itself among them, in standard deviations
 /// (by simulation).
 const MEDIAN_DISTANCE: f64 = 0.55;
-/// Median absolute deviation of a normal distribution, in standard deviations: Φ⁻¹(¾).
-const MEDIAN_DEVIATION: f64 = 0.6745;
 const LEARNING: u32 = 64;
 const RATE_LEARNING: f64 = 0.2;
 const RATE: f64 = 0.02;
@@ -80,13 +75,9 @@ impl Hampel {
             let mut around = [0.0; 2 * SIDE + 1];
             around.iter_mut().zip(&self.around).for_each(|(slot, (_, departure))| *slot = departure[k]);
             around.sort_by(f64::total_cmp);
-            let median = around[SIDE];
-            around.iter_mut().for_each(|departure| *departure = (*departure - median).abs());
-            around.sort_by(f64::total_cmp);
-            let distance = (departure_mm[k] - median).abs();
+            let distance = (departure_mm[k] - around[SIDE]).abs();
             let usual = &mut self.distance_mm[k];
-            let noise = (*usual / MEDIAN_DISTANCE).max(around[SIDE] / MEDIAN_DEVIATION);
-            outlier |= !learning && distance > SIGMAS * noise.max(FINEST_MM);
+            outlier |= !learning && distance > SIGMAS * (*usual / MEDIAN_DISTANCE).max(FINEST_MM);
             if *usual == 0.0 {
                 *usual = distance;
             } else {

@@ -159,25 +159,6 @@ fn single_outliers_are_excluded_and_counted_and_a_step_is_kept() {
     }
 }
 
-/// Between its peaks a smooth motion has its own sample in the middle of seven: distances from the median say nothing of noise there.
-#[test]
-fn a_smooth_motion_with_little_noise_loses_no_sample() {
-    let teeth = |turns: f64| {
-        move |state: &State, i: usize| {
-            let phase = (turns * state.position[C] / TAU).fract();
-            5e-3 * (2.0 * phase - 1.0).abs() + 1e-7 * white(i)
-        }
-    };
-    let wave = |turns: f64| {
-        move |state: &State, i: usize| 5e-3 * (turns * state.position[C]).sin() + 1e-7 * white(i)
-    };
-    for turns in [3.0, 40.0, 200.0, 1000.0] {
-        let lost =
-            [reduce(&sweep(20_000, 0.5, teeth(turns)), 400), reduce(&sweep(20_000, 0.5, wave(turns)), 400)];
-        assert_eq!(lost.map(|reduction| reduction.excluded), [0, 0], "{turns}");
-    }
-}
-
 #[test]
 fn two_setups_mixed_sample_by_sample_give_the_same_blocks_as_one_after_the_other() {
     let one = sweep(5000, 0.5, |state, i| 1e-3 * state.position[C].sin() + 1e-4 * white(i));
