@@ -87,3 +87,8 @@ pub fn effect(id: &str) -> Option<&'static Effect> {
     let phenomenon = id.split(':').next()?;
     REGISTRY.iter().copied().find(|effect| effect.phenomenon == phenomenon)
 }
+
+/// `Title (id)`, as sentences say it; the id alone of what the catalogue does not know.
+pub fn effect_name(id: &str) -> String {
+    effect(id).map_or(id.into(), |effect| format!("{} ({id})", effect.about.title))
+}

@@ -13,6 +13,7 @@ use std::f64::consts::LN_10;
 use symbols::location_words;
 use trunnion_core::LEVER_MM;
 use trunnion_effects::catalogue::effect;
+pub use trunnion_effects::catalogue::effect_name;
 pub use trunnion_effects::sources::{sources, with_authors};
 use trunnion_effects::{About, Role};
 use trunnion_engine::diagnosis::options::CLAIM_LN;
@@ -89,11 +90,6 @@ pub fn doubts(fit: &Identification) -> Vec<String> {
 /// Doubts in sentences.
 pub fn doubts_of(doubts: &[Doubt]) -> Vec<String> {
     doubts.iter().map(|doubt| format!("Doubt: {}", doubt.words)).collect()
-}
-
-/// `Title (id)`, or the id alone.
-pub fn effect_name(id: &str) -> String {
-    about(id).map_or(id.into(), |about| format!("{} ({id})", about.title))
 }
 
 /// The title of an effect without its id, or the id where it has none.

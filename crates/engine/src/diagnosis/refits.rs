@@ -7,6 +7,7 @@ use crate::fit::options::IdentifyError;
 use crate::problem::Problem;
 use trunnion_core::chain;
 use trunnion_core::convert::um_from_mm;
+use trunnion_effects::catalogue::effect_name;
 use trunnion_effects::{Instance, ModelEffect, Scene, Unit};
 
 /// A value so many of its standard uncertainties from zero has a sign: one in 700 has the wrong one by chance [normal distribution].
@@ -105,7 +106,7 @@ impl Refit {
             limit.is_exceeded(value).then(|| {
                 format!(
                     "{} fits best, but with {} = {value:.0} {unit}, where {:.0} {unit} is the most that is physical: {}.",
-                    instance.id(),
+                    effect_name(&id),
                     parameter.name,
                     limit.largest,
                     limit.beyond,
@@ -120,7 +121,10 @@ impl Refit {
         let id = instance.id();
         let mut own = self.fit.parameters.iter().filter(|p| p.effect == id).peekable();
         (own.peek().is_some() && own.all(|p| p.value.is_none())).then(|| {
-            format!("{id} fits best, but the model with it determines none of its parameters: the positions of this cycle do not show it.")
+            format!(
+                "{} fits best, but the model with it determines none of its parameters: the positions of this cycle do not show it.",
+                effect_name(&id)
+            )
         })
     }
 
@@ -152,8 +156,9 @@ impl Refit {
         let change_mm = squares.iter().sum::<f64>().sqrt();
         (!squares.is_empty() && change_mm <= step_mm).then(|| {
             format!(
-                "{id} fits best, but with {:.2} µm, where the display has steps of {:.2} µm: it shows a slow change of that size as \
+                "{} fits best, but with {:.2} µm, where the display has steps of {:.2} µm: it shows a slow change of that size as \
                  a sudden one. Repeat with a finer display.",
+                effect_name(&id),
                 um_from_mm(change_mm),
                 um_from_mm(step_mm),
             )
