@@ -1,6 +1,7 @@
 //! Tables for the terminal: aligned columns, no colours, no line drawing beyond plain bars.
 
 mod correction;
+mod diagnosis;
 mod filed;
 mod findings;
 mod history;
@@ -13,6 +14,7 @@ mod timing;
 mod volumetric;
 
 pub use correction::{correction_judged_text, correction_text};
+pub use diagnosis::diagnosis_text;
 pub use filed::report_text;
 pub use findings::findings_text;
 pub use history::history_text;
@@ -23,23 +25,16 @@ pub use prediction::prediction_text;
 pub use timing::timing_text;
 pub use volumetric::{location_text, volumetric_text};
 
-use crate::certainty::measure_next;
 use crate::number::{percent, um, um_or_dash, value_and_u};
-use crate::to_do::to_do;
 use crate::views::cuts;
-use crate::words::{
-    EXPLAINS, NO_PLACE, TOGETHER, beyond_catalogue, candidate_figures, effect_name, evidence_words,
-    explanation, formula_leads, formula_shape, formula_site, headline, left_out, names, no_place,
-    noise_origin, noticeable, remaining_pattern, repeatability, sizes, sizes_from, together_figures,
-    trial_verdict, verdict, wave,
-};
+use crate::words::{NO_PLACE, effect_name, headline, no_place, noise_origin, trial_verdict, verdict, wave};
+use diagnosis::{held_out, what_to_do};
 use std::iter::once;
-use table::{bar, clean, columns, moved_table, paragraph, titled, with_bars};
+use table::{bar, clean, columns, moved_table, paragraph, set_apart, titled, with_bars};
 use trunnion_results::FEWEST_POINTS;
 use trunnion_results::sentences::{complete, doubts, doubts_of, inadequate};
 use trunnion_results::{
-    Candidate, Check, Comparison, Complete, Diagnosis, FormulaProposal, Identification, LeftOut, Moved,
-    Parameter, Place, Plausibility, Trial,
+    Check, Comparison, Complete, Identification, Moved, Parameter, Place, Plausibility, Trial,
 };
 
 /// Fit, parameters with uncertainty, and what is confounded or not observable.
@@ -134,21 +129,6 @@ fn implausible(plausibility: &[Plausibility]) -> Vec<String> {
     plausibility.iter().map(|doubt| format!("Doubt: {} {}", doubt.finding, doubt.hypothesis)).collect()
 }
 
-/// Each sentence between empty lines: as an item of a list, or below a table, the terminal would fold it away.
-fn set_apart(sentences: &[String]) -> String {
-    sentences.iter().map(|sentence| format!("\n{}", paragraph(sentence))).collect()
-}
-
-/// The steps in their order, as the page lists them.
-fn what_to_do(input: &Comparison) -> String {
-    let steps = to_do(input)
-        .iter()
-        .zip(1..)
-        .map(|(step, at)| paragraph(&format!("{at}. {step}")))
-        .collect::<String>();
-    format!("\nWhat to do\n{steps}")
-}
-
 /// What is wrong, what to do, where the model fails most, and the residual by component, axis position, direction, setup and time.
 pub fn compare_text(input: &Comparison) -> String {
     let mut out = format!("{}\n", clean(&headline(input)));
@@ -219,112 +199,6 @@ pub fn trial_text(trial: &Trial) -> String {
     out
 }
 
-/// Verdict, what to do, candidates and formula of a comparison that holds a diagnosis; empty without one.
-pub fn diagnosis_text(input: &Comparison) -> String {
-    let Some(diagnosis) = &input.diagnosis else { return String::new() };
-    let residual = &diagnosis.residual;
-    let mut out = format!("{}\n", clean(&headline(input)));
-    let explained = diagnosis.explained().map_or(String::new(), |fraction| {
-        format!("; what was found explains {} of the mean square", percent(fraction))
-    });
-    out += &format!(
-        "Residual {} rms ({}); held-out error {}{explained}.\n",
-        um(residual.rms_um),
-        repeatability(residual.noise_um, residual.noise_readings),
-        held_out(residual.holdout_rms_um, residual.holdout_unit),
-    );
-    out += &paragraph(&diagnosis.why);
-    out += &set_apart(&doubts(&input.identification));
-    let all_clear = noticeable(diagnosis).into_iter().chain(remaining_pattern(diagnosis));
-    all_clear.for_each(|sentence| out += &paragraph(&sentence));
-    out += &what_to_do(input);
-    if !diagnosis.candidates.is_empty() {
-        out += "\n";
-        let head = ["candidate", "evidence", "error after", "held-out", "explains", "adequate"];
-        let rows = diagnosis.candidates.iter().map(|c| {
-            let first = [c.effect.clone(), format!("10^{:.1}", c.evidence)];
-            first.into_iter().chain(candidate_figures(c)).collect()
-        });
-        let mut rows: Vec<Vec<String>> = once(head.map(String::from).to_vec()).chain(rows).collect();
-        if let Some((found, together)) = diagnosis.found_together() {
-            let first = [TOGETHER.into(), String::new()];
-            rows.insert(1 + found.len(), first.into_iter().chain(together_figures(together)).collect());
-        }
-        out += &titled(&rows, &[1, 2, 3, 4]);
-        out += "\n";
-        out += &paragraph(EXPLAINS);
-        if let Some((found, _)) = diagnosis.found_together() {
-            out += &paragraph(&format!("Found together: {}.", names(&found)));
-        }
-        // What those that were found are confounded with follows in their own paragraphs.
-        for c in
-            diagnosis.candidates.iter().skip(described(diagnosis)).filter(|c| !c.confused_with.is_empty())
-        {
-            out += &paragraph(&format!("{} is confounded with {}.", c.effect, c.confused_with.join(", ")));
-        }
-    }
-    let formula = diagnosis.formula.as_ref().map_or(String::new(), formula);
-    let best = diagnosis.candidates.iter().take(described(diagnosis));
-    let best: String = best.map(|one| candidate(diagnosis, one)).collect();
-    out += &match (formula_leads(diagnosis), best.is_empty()) {
-        (true, false) => format!("{formula}\nThe named effect closest to it:{best}"),
-        (true, true) => formula,
-        (false, _) => best + &formula,
-    };
-    for (words, ids) in
-        [("This cycle cannot show", &diagnosis.not_visible), ("Out of reach", &diagnosis.out_of_reach)]
-    {
-        if !ids.is_empty() {
-            out += &format!("\n{}", paragraph(&format!("{words}: {}", ids.join(", "))));
-        }
-    }
-    out
-}
-
-fn formula(formula: &FormulaProposal) -> String {
-    let numbers = formula_shape(formula);
-    let numbers = if numbers.is_empty() { numbers } else { format!("  with {}\n", clean(&numbers)) };
-    format!("\nformula:{} ({})\n", formula.name, formula_site(formula))
-        + &format!("  {}\n{}", clean(&formula.expression), numbers)
-        + &paragraph(&format!(
-            "It is a {}; it leaves {} and explains {} of what was found. {}.",
-            formula.location,
-            um(formula.rms_um_after),
-            percent(formula.explains_fraction),
-            evidence_words(formula.evidence)
-        ))
-}
-
-/// So many candidates, from the first, have paragraphs of their own.
-fn described(diagnosis: &Diagnosis) -> usize {
-    diagnosis.found_together().map_or(1, |(found, _)| found.len())
-}
-
-fn candidate(diagnosis: &Diagnosis, best: &Candidate) -> String {
-    let mut out = format!("\n{}\n", effect_name(&best.effect));
-    for (label, text) in explanation(&best.effect) {
-        out += &paragraph(&format!("{label}: {text}"));
-    }
-    out += &paragraph(&format!(
-        "{}. {}",
-        evidence_words(best.evidence),
-        beyond_catalogue(best, &diagnosis.residual)
-    ));
-    if let Some(from) = sizes_from(diagnosis, best) {
-        out += &paragraph(&format!("Its size, {from}:"));
-    }
-    for p in sizes(diagnosis, best) {
-        let (value, u) = value_and_u(p.value, p.u, &p.unit);
-        out += &format!("  {} = {value}, u = {u}\n", clean(&p.name));
-    }
-    if !best.confused_with.is_empty() {
-        let separate = Some(&best.separate_by).filter(|said| *said != measure_next(diagnosis));
-        let separate = separate.map_or(String::new(), |said| format!(" To separate them: {said}"));
-        out += &paragraph(&format!("Confounded with {}.{separate}", best.confused_with.join(", ")));
-    }
-    out
-}
-
 fn parameters(rows: &[Parameter]) -> String {
     let head = ["parameter", "value", "u", "effect", "remark"].map(String::from).to_vec();
     let rows = rows.iter().map(|p| {
@@ -342,10 +216,6 @@ fn places(places: &[Place], none: &str) -> String {
         format!("  {}. {}; {} of the residual\n", i + 1, clean(&place.words), percent(place.share))
     };
     places.iter().enumerate().map(line).collect()
-}
-
-fn held_out(rms_um: Option<f64>, unit: Option<LeftOut>) -> String {
-    format!("{} ({})", um_or_dash(rms_um), left_out(unit))
 }
 
 fn noise(fit: &Identification) -> String {

@@ -46,6 +46,11 @@ pub(super) fn paragraph(text: &str) -> String {
     }
 }
 
+/// Each sentence between empty lines: as an item of a list, or below a table, the terminal would fold it away.
+pub(super) fn set_apart(sentences: &[String]) -> String {
+    sentences.iter().map(|sentence| format!("\n{}", paragraph(sentence))).collect()
+}
+
 /// Blanks between two columns.
 const GAP: usize = 2;
 
