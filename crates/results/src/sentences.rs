@@ -92,6 +92,9 @@ pub fn doubts_of(doubts: &[Doubt]) -> Vec<String> {
     doubts.iter().map(|doubt| format!("Doubt: {}", doubt.words)).collect()
 }
 
+/// Where the verdict is an all-clear.
+pub const ALL_CLEAR: &str = "No effect is missing from the model that these data can show.";
+
 /// The title of an effect without its id, or the id where it has none.
 pub fn effect_title(id: &str) -> &str {
     about(id).map_or(id, |about| about.title)

@@ -2,6 +2,7 @@
 
 use super::issuer::{DccError, Issuer};
 use super::xml::{holding, plain, stated, text};
+use trunnion_results::sentences::ALL_CLEAR;
 use trunnion_results::{Conformity, Decision, Report, Verdict};
 
 /// Stands for a country that is not known [ISO 3166-1].
@@ -75,7 +76,7 @@ fn items(report: &Report) -> String {
 fn statements(report: &Report) -> String {
     let verdict = report.comparison.diagnosis.as_ref().map_or(Verdict::NotJudged, |d| d.verdict);
     let complete = match verdict {
-        Verdict::NoiseFloor => "No effect is missing from the model that these data can show.",
+        Verdict::NoiseFloor => ALL_CLEAR,
         _ => "The model is not complete: its values are those of this model alone.",
     };
     let remarks = [

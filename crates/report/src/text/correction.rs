@@ -2,6 +2,7 @@
 
 use super::table::clean;
 use trunnion_results::number::{plain, signed, trimmed};
+use trunnion_results::sentences::ALL_CLEAR;
 use trunnion_results::{Correction, CorrectionJudged, Decision, SelfTest, SignVerdict, Verdict};
 
 /// What to do, what to check first, what to expect, and how to undo it.
@@ -65,7 +66,7 @@ pub fn correction_text(answer: &Correction) -> String {
 fn first_sentence(answer: &Correction) -> String {
     let axes: Vec<&str> = answer.axes.iter().map(|axis| axis.axis.as_str()).collect();
     let model = match answer.verdict {
-        Verdict::NoiseFloor => "No effect is missing from the model that these data can show.",
+        Verdict::NoiseFloor => ALL_CLEAR,
         Verdict::Undecided => "Whether the model leaves something is undecided.",
         Verdict::MissingEffect | Verdict::UnnamedStructure => {
             "The model is inadequate: it lacks something, and so does the correction."

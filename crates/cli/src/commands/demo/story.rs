@@ -5,7 +5,7 @@ use trunnion::Analysed;
 use trunnion::report::ladder_text;
 use trunnion::results::Verdict;
 use trunnion::results::number::um;
-use trunnion::results::sentences::repeatability;
+use trunnion::results::sentences::{ALL_CLEAR, repeatability};
 use trunnion_hil_sim::VirtualMachine;
 use trunnion_hil_sim::physics::hidden;
 
@@ -57,7 +57,7 @@ pub(super) fn story(analysed: &Analysed) -> String {
     }
     let last = analysed.last().results();
     text += &match last.verdict {
-        Verdict::NoiseFloor => "\nNothing is missing: what remains is noise.\n".to_string(),
+        Verdict::NoiseFloor => format!("\n{ALL_CLEAR}\n"),
         Verdict::UnnamedStructure => match &last.formula {
             Some(formula) => format!(
                 "\nSomething remains that no effect of the catalogue describes: {} = {} at {}. {}.\n",
