@@ -1,15 +1,18 @@
 //! Comparison of the catalogue with the open grammar, each at its best shape, the noise learned with each (docs/design/statistics.md §4.3).
 //!
 //! A term wins only when it leads clearly, when no named effect fits as well (the term is then a part of it at a lower price), and
-//! when no two named effects together do better.
+//! when no row of named effects does better.
 
 use crate::diagnosis::expressions::best_term;
-use crate::diagnosis::named::{named, price_ln};
+use crate::diagnosis::named::{first_named, named, price_ln};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::view::{View, What};
 use crate::diagnosis::views::{Seen, Views};
 use crate::evidence::joined;
+use crate::noise::learned::sigma::Sigma;
+use nalgebra::DMatrix;
+use std::sync::Arc;
 
 /// A term beats the catalogue when it leads by more than this: what would suffice for a claim
 /// [docs/decisions/0002-thresholds-of-model-comparison.md].
@@ -18,8 +21,13 @@ const CLEAR_LEAD_LN: f64 = 3.0;
 const SAME_FIT_LN: f64 = 3.0;
 /// Share of a term's gain at which a natural motion accounts for it.
 const MOSTLY: f64 = 0.6;
-/// Named effects that are tried as the first of two.
-const FIRST_OF_TWO: usize = 2;
+/// Named effects that are tried as the first of several.
+const FIRST_OF_SEVERAL: usize = 2;
+/// Named effects that may follow a first one or a term: with the first as many as two directions each of three axes, which is what squarenesses and
+/// scales of three linear axes are.
+const MOST_FOLLOWING: usize = 5;
+/// Of those that could come next in a row, by what they say at the learned noise and in a quiet one, so many have the noise learned with them.
+const MOST_AT_ONCE: [usize; 2] = [1, 1];
 
 /// What could be added next.
 pub struct Additions {
@@ -56,7 +64,7 @@ fn best(
     if let Some(covering) = named.iter().find(covers) {
         return Some(covering.clone());
     }
-    two_do_better(scan, views, view, named, taken, &term).or(Some(term))
+    several_do_better(scan, views, view, named, taken, &term, claim_ln).or(Some(term))
 }
 
 /// ln odds on the grid that a term must come near to be looked at, at the learned and at the quiet noise: those of the best named effect.
@@ -76,34 +84,56 @@ fn is_natural(named: &[Scored], term: &Scored) -> bool {
     named.iter().any(|scored| !scored.noticeable && scored.fit_ln > MOSTLY * term.fit_ln)
 }
 
-/// The first of two named effects that together beat the term and whatever goes best with it.
-fn two_do_better(
+/// The first of several named effects that together beat the term and whatever named goes best with it: the catalogue is left for an expression only
+/// where all of one explanation clearly leads all of the other. Three squarenesses are no expression because two of them share a coordinate.
+fn several_do_better(
     scan: &Scan<'_>,
     views: &Views,
     view: &View,
     named: &[Scored],
     taken: &[usize],
     term: &Scored,
+    claim_ln: f64,
 ) -> Option<Scored> {
-    let second = |first: &Scored, also: Option<usize>| {
-        let chosen = joined(&view.chosen, &first.item.columns);
-        let next = views.of(scan, chosen, &first.sigma);
-        let price = (scan.named.len() as f64).ln();
-        let free = |g: &usize| !taken.contains(g) && also != Some(*g);
-        next.map_or(0.0, |next| {
-            (0..scan.named.len())
-                .filter(free)
-                .map(|g| next.named[g].ln_bf - price - scan.named[g].price_ln)
-                .fold(0.0, f64::max)
-        })
+    let all_ln = |first: &Scored, enough_ln: f64| {
+        let start = Start {
+            chosen: joined(&view.chosen, &first.item.columns),
+            sigma: first.sigma.clone(),
+            taken: taken.iter().copied().chain(first.item.what.group()).collect(),
+        };
+        first.item.ln_odds + following_ln(scan, views, start, claim_ln, enough_ln - first.item.ln_odds)
     };
-    let with_term = term.item.ln_odds + second(term, None);
-    let candidates = named.iter().filter(|scored| scored.noticeable).take(FIRST_OF_TWO);
-    let pairs = candidates.map(|first| {
-        let What::Named(group) = first.item.what else { return (f64::NEG_INFINITY, first) };
-        let next = second(first, Some(group));
-        (if next > 0.0 { first.item.ln_odds + next } else { f64::NEG_INFINITY }, first)
-    });
-    let (both, first) = pairs.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (both > with_term).then(|| first.clone())
+    let enough_ln = all_ln(term, f64::INFINITY) - CLEAR_LEAD_LN;
+    let candidates = named.iter().filter(|scored| scored.noticeable).take(FIRST_OF_SEVERAL);
+    candidates.into_iter().find(|first| all_ln(first, enough_ln) > enough_ln).cloned()
+}
+
+/// Where a row of named effects begins.
+struct Start {
+    chosen: DMatrix<f64>,
+    /// A noise near by.
+    sigma: Arc<Sigma>,
+    taken: Vec<usize>,
+}
+
+/// ln odds of named effects that can be claimed one after the other, best first, up to `enough_ln`.
+fn following_ln(scan: &Scan<'_>, views: &Views, start: Start, claim_ln: f64, enough_ln: f64) -> f64 {
+    let Start { mut chosen, mut sigma, mut taken } = start;
+    let mut sum_ln = 0.0;
+    for _ in 0..MOST_FOLLOWING {
+        if sum_ln > enough_ln {
+            break;
+        }
+        let Some(view) = views.of(scan, chosen.clone(), &sigma) else { break };
+        let scored = first_named(scan, &view, &taken, claim_ln, MOST_AT_ONCE);
+        let Some(best) = scored.into_iter().find(|scored| scored.noticeable) else { break };
+        if best.item.ln_odds <= claim_ln {
+            break;
+        }
+        sum_ln += best.item.ln_odds;
+        chosen = joined(&chosen, &best.item.columns);
+        taken.extend(best.item.what.group());
+        sigma = best.sigma;
+    }
+    sum_ln
 }

@@ -28,7 +28,18 @@ pub fn price_ln(scan: &Scan<'_>, group: usize) -> f64 {
 
 /// Those worth it, best first; `but` are left out.
 pub fn named(scan: &Scan<'_>, view: &Seen, but: &[usize], claim_ln: f64) -> Vec<Scored> {
-    let mut scored = scored_each(scan, view, &worth_it(scan, view, but, claim_ln));
+    first_named(scan, view, but, claim_ln, [BEST, BEST_IN_QUIET])
+}
+
+/// The same of so many only, by what they say at the learned noise and in a quiet one.
+pub fn first_named(
+    scan: &Scan<'_>,
+    view: &Seen,
+    but: &[usize],
+    claim_ln: f64,
+    most: [usize; 2],
+) -> Vec<Scored> {
+    let mut scored = scored_each(scan, view, &worth_it(scan, view, but, claim_ln, most));
     scored.sort_by(|a, b| b.item.ln_odds.total_cmp(&a.item.ln_odds));
     plainest_first(scan, &mut scored);
     scored
@@ -46,7 +57,7 @@ fn plainest_first(scan: &Scan<'_>, scored: &mut [Scored]) {
     scored[..alike].sort_by_key(most_columns);
 }
 
-fn worth_it(scan: &Scan<'_>, view: &View, but: &[usize], claim_ln: f64) -> Vec<usize> {
+fn worth_it(scan: &Scan<'_>, view: &View, but: &[usize], claim_ln: f64, most: [usize; 2]) -> Vec<usize> {
     let mut chosen: Vec<usize> = Vec::new();
     let rank = |of: fn(&OnGrid) -> f64, most: usize, chosen: &mut Vec<usize>| {
         let mut order: Vec<usize> = (0..scan.named.len()).filter(|g| !but.contains(g)).collect();
@@ -57,8 +68,8 @@ fn worth_it(scan: &Scan<'_>, view: &View, but: &[usize], claim_ln: f64) -> Vec<u
             }
         }
     };
-    rank(|score| score.ln_bf, BEST, &mut chosen);
-    rank(|score| score.quiet_ln_bf, BEST_IN_QUIET, &mut chosen);
+    rank(|score| score.ln_bf, most[0], &mut chosen);
+    rank(|score| score.quiet_ln_bf, most[1], &mut chosen);
     chosen.retain(|&group| {
         let score = &view.named[group];
         score.ln_bf.max(score.quiet_ln_bf) > price_ln(scan, group) + claim_ln

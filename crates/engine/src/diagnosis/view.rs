@@ -27,6 +27,16 @@ pub enum What {
     Open(Term),
 }
 
+impl What {
+    /// Index of a named effect.
+    pub fn group(&self) -> Option<usize> {
+        match self {
+            Self::Named(group) => Some(*group),
+            Self::Open(_) => None,
+        }
+    }
+}
+
 /// One addition with its columns.
 #[derive(Clone, Debug)]
 pub struct Item {

@@ -9,6 +9,7 @@ mod common;
 mod excluded_points;
 mod held_out;
 mod intervals;
+mod linear_axes;
 mod lines;
 mod nothing_hidden;
 mod null;

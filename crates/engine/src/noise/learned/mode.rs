@@ -43,8 +43,9 @@ impl Effort {
     pub const FULL: Self = Self { steps: 12, gain_ln: 0.1 };
     /// From what some of the points say, for sizes alone: a tenth in a size is less than their own uncertainty.
     pub const SIZES: Self = Self { steps: 3, gain_ln: 0.5 };
-    /// From a mode nearby.
-    pub const AGAIN: Self = Self { steps: 5, gain_ln: 0.25 };
+    /// From a mode nearby. As many steps as from afar: without an effect in the model its share of the noise has far to go, and odds against a
+    /// noise that stopped half way are too large.
+    pub const AGAIN: Self = Self { steps: 12, gain_ln: 0.25 };
 }
 
 /// The mode for one set of columns.
