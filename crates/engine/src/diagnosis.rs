@@ -62,7 +62,7 @@ pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diag
             Answer::Diagnosis(diagnosis) => {
                 return Ok(match real {
                     None => *diagnosis,
-                    Some(real) => diagnosis.doubted(&doubts, &real),
+                    Some(real) => diagnosis.doubted(problem.experiment(), &doubts, &real),
                 });
             }
             Answer::Without { effect, why, with } => {

@@ -14,7 +14,8 @@ use crate::diagnosis::rivals::{CONFUSED_LN, confused_with};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::{Found, search};
 use crate::diagnosis::verdict::{
-    Candidate, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber, Together,
+    Candidate, CandidateParameter, Diagnosis, FormulaProposal, NextCycle, ResidualSummary, ShapeNumber,
+    Together,
 };
 use crate::diagnosis::view::{Item, What, columns_of};
 use crate::diagnosis::words;
@@ -23,7 +24,7 @@ use crate::spectrum::Wave;
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
 use trunnion_core::convert::um_from_mm;
-use trunnion_effects::Formula;
+use trunnion_effects::{Formula, Unit};
 
 /// A named effect that explains at least this share leads, although a part remains.
 const MOSTLY: f64 = 0.8;
@@ -83,7 +84,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         why = format!("{why} {sentence}").trim_start().into();
     }
     if verdict == Verdict::UnnamedStructure && formula.is_none() && next.is_empty() {
-        next = NextCycle::REPEAT_THIS_PASS.into();
+        next = NextCycle::repeat(problem.experiment()).suggestion;
     }
     let next_cycle = candidates
         .iter()
@@ -145,6 +146,16 @@ fn invisible(scan: &Scan<'_>, found: &Found, candidates: &[Candidate]) -> Vec<St
     let named = scan.named.iter().zip(&found.before.named);
     let imitated = named.filter(|(_, score)| !score.visible).map(|(named, _)| named.instance.id());
     imitated.filter(|id| !is_shown(id)).collect()
+}
+
+/// The period among shape numbers has the uncertainty that its wave shows.
+fn with_u_of(period: Option<&Wave>, mut parameters: Vec<CandidateParameter>) -> Vec<CandidateParameter> {
+    let Some(wave) = period.filter(|wave| wave.unit == Unit::MM.symbol) else { return parameters };
+    let is_period = |p: &&mut CandidateParameter| {
+        p.u.is_none() && p.unit == wave.unit && p.value.is_some_and(|mm| (mm - wave.value).abs() < wave.u)
+    };
+    parameters.iter_mut().filter(is_period).for_each(|p| p.u = Some(wave.u));
+    parameters
 }
 
 struct Context<'a> {
@@ -218,7 +229,7 @@ impl Context<'_> {
             rms_um_after: refit.rms_um(),
             holdout_rms_um_after: refit.holdout_rms_um(),
             explains_fraction: explained.by(refit.rms_mm()),
-            parameters: refit.parameters(),
+            parameters: with_u_of(period.as_ref(), refit.parameters()),
             separate_by: words::separate_by(instance, &rivals),
             confused_with: rivals.iter().map(|instance| instance.id()).collect(),
             adequate: explains_all && doubt.is_none(),

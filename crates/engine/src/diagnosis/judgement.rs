@@ -52,10 +52,11 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
         "Something speaks for {}, but no more than offsets of passes and small patterns may do.",
         open.join(", ")
     );
+    let repeat = NextCycle::repeat(scan.remainder.rows.whole()).suggestion;
     let Some(repeatability) = fit.known_repeatability() else {
         let why = "Too few poses were measured twice, so the repeatability is not known.";
         let why = if open.is_empty() { why.to_string() } else { format!("{speaks} {why}") };
-        return undecided(why, NextCycle::REPEAT_THIS_PASS);
+        return undecided(why, &repeat);
     };
     if !open.is_empty() {
         return undecided(
@@ -70,7 +71,7 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
     }
     match (repeatability.allows(fit.rms_mm), units_differ(fit)) {
         (true, None) => return (Verdict::NoiseFloor, String::new(), String::new()),
-        (true, Some(why)) => return undecided(why, NextCycle::REPEAT_THIS_PASS),
+        (true, Some(why)) => return undecided(why, &repeat),
         (false, _) => {}
     }
     let excess = rms_um.powi(2) - noise_um.powi(2);

@@ -3,9 +3,12 @@
 use crate::diagnosis::judged::{LearnedNoise, OpenEffect, Verdict};
 use crate::next_cycle::PlannedCycle;
 use crate::problem::Problem;
+use crate::problem::experiment::Experiment;
 use crate::problem::folds::LeftOut;
 use crate::spectrum::Wave;
+use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
+use trunnion_cycles::RunKind;
 use trunnion_effects::ModelEffect;
 
 /// What is missing from a model, as far as the data can say.
@@ -91,14 +94,14 @@ impl Diagnosis {
 impl Diagnosis {
     /// With the reasons why effects that would fit better cannot be the cause. A claim holds only for what is `real`, found next to
     /// them too: another name may describe what they leave behind. There is no all-clear.
-    pub(crate) fn doubted(mut self, doubts: &[String], real: &[String]) -> Self {
+    pub(crate) fn doubted(mut self, experiment: &Experiment, doubts: &[String], real: &[String]) -> Self {
         match self.candidates.first_mut().filter(|first| real.contains(&first.effect)) {
             Some(first) if self.verdict == Verdict::MissingEffect => first.remarks.extend_from_slice(doubts),
             _ => {
                 let doubts = doubts.join(" ");
                 (self.candidates, self.set, self.together, self.formula) = Default::default();
                 self.residual.unexplained_fraction = 1.0;
-                self.next_cycle = Some(NextCycle::repeat());
+                self.next_cycle = Some(NextCycle::repeat(experiment));
                 self.why = format!("{doubts} {}", self.why).trim_end().into();
                 self.verdict = Verdict::Undecided;
             }
@@ -158,7 +161,7 @@ pub struct CandidateParameter {
     pub name: String,
     /// Value in `unit`; `None` when these data cannot see it.
     pub value: Option<f64>,
-    /// Standard uncertainty in `unit`; `None` for a shape number.
+    /// Standard uncertainty in `unit`; `None` for a shape number that is no period.
     pub u: Option<f64>,
     /// Unit, e.g. `um`.
     pub unit: String,
@@ -208,13 +211,21 @@ impl NextCycle {
         Self { suggestion, cycle: None }
     }
 
-    /// What to measure where too little was measured twice.
-    pub(crate) const REPEAT_THIS_PASS: &str =
-        "Repeat this pass: the same poses once more, in the opposite direction too.";
-
-    /// Advice for data that decide nothing.
-    pub(crate) fn repeat() -> Self {
-        Self::advice(Self::REPEAT_THIS_PASS.into())
+    /// Advice for data that decide nothing, as too little was measured twice: the other direction too, where an axis that turned knows one only.
+    pub(crate) fn repeat(experiment: &Experiment) -> Self {
+        let what = if experiment.kinds.contains(&RunKind::OnTheFly) { "motion" } else { "poses" };
+        let went = |joint: Joint, sign: f64| {
+            experiment.points.iter().any(|point| point.state.direction[joint] * sign > 0.0)
+        };
+        let moved = |joints: Vec<Joint>| -> Vec<Joint> {
+            joints.into_iter().filter(|joint| experiment.scene.moves(*joint)).collect()
+        };
+        // Linear axes that follow a rotary one have no direction of their own to choose.
+        let turned = moved(experiment.machine().rotary_joints());
+        let chosen = if turned.is_empty() { moved(experiment.machine().linear_joints()) } else { turned };
+        let both_ways = chosen.iter().all(|joint| went(*joint, 1.0) && went(*joint, -1.0));
+        let other_way = if both_ways { "" } else { ", in the opposite direction too" };
+        Self::advice(format!("Repeat this pass: the same {what} once more{other_way}."))
     }
 }
 

@@ -85,7 +85,7 @@ fn repeated(problem: &Problem<'_>, diagnosis: &Diagnosis, options: &Options) -> 
     let suggestion = diagnosis.next_cycle.as_ref().map(|next| next.suggestion.clone());
     match diagnosis.verdict {
         Verdict::Undecided => Repeated {
-            suggestion: suggestion.unwrap_or_else(|| NextCycle::repeat().suggestion),
+            suggestion: suggestion.unwrap_or_else(|| NextCycle::repeat(problem.experiment()).suggestion),
             again: again(problem.experiment(), options),
         },
         _ => Repeated { suggestion: suggestion.unwrap_or_default(), again: None },

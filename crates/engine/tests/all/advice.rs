@@ -22,7 +22,7 @@ fn advised(run: Run, open: &[&str]) -> (Experiment, Diagnosis) {
 fn where_nothing_is_named_the_present_poses_are_measured_once_more() {
     let (experiment, diagnosis) = advised(points_run("points-nothing-hidden"), &[]);
     let next = diagnosis.next_cycle.unwrap();
-    assert_eq!(next.suggestion, "Repeat this pass: the same poses once more, in the opposite direction too.");
+    assert_eq!(next.suggestion, "Repeat this pass: the same poses once more.");
     let planned = next.cycle.expect("a cycle");
     assert!(planned.separates.is_empty() && planned.separation.is_none());
     let cycle = Cycle::parse("next.toml", &planned.file).unwrap();
