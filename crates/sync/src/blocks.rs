@@ -28,7 +28,7 @@ use sample::Sample;
 pub(crate) use sample::{FINEST, UNIT};
 
 use cell::Cell;
-use outliers::Hampel;
+use outliers::Outliers;
 use pass::{PassKey, PassSums};
 use std::collections::HashMap;
 use trunnion_core::convert::um_from_mm;
@@ -97,7 +97,7 @@ pub struct Reducer<F> {
 /// What is under way in one setup.
 #[derive(Default)]
 struct Stream {
-    hampel: Hampel,
+    outliers: Outliers,
     open: Option<Cell>,
     /// Last sample taken, to see whether the next one goes on from it.
     last: Option<Last>,
@@ -143,7 +143,7 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
         let departure_mm = std::array::from_fn(|k| point.reading_mm[k] - nominal_mm[k]);
         let setup = point.state.setup;
         let stream = self.streams.entry(setup).or_default();
-        let ready = stream.hampel.push(Sample { index, point, departure_mm }, self.limits.pause_s);
+        let ready = stream.outliers.push(Sample { index, point, departure_mm }, self.limits.pause_s);
         self.take(setup, ready);
     }
 
@@ -230,7 +230,7 @@ impl<F: Fn(&State) -> [f64; 3]> Reducer<F> {
     pub fn finish(mut self) -> Reduction {
         let setups: Vec<usize> = self.streams.keys().copied().collect();
         for setup in setups {
-            while let Some(judged) = self.streams.get_mut(&setup).and_then(|stream| stream.hampel.drain()) {
+            while let Some(judged) = self.streams.get_mut(&setup).and_then(|stream| stream.outliers.drain()) {
                 self.take(setup, Some(judged));
             }
             self.cells.extend(self.streams.get_mut(&setup).and_then(|stream| stream.open.take()));

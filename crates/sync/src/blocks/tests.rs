@@ -40,6 +40,10 @@ fn nominal(state: &State) -> [f64; 3] {
 }
 
 fn reduce(points: &[Point], most_blocks: usize) -> Reduction {
+    reduce_from(points, most_blocks, nominal)
+}
+
+fn reduce_from(points: &[Point], most_blocks: usize, nominal: impl Fn(&State) -> [f64; 3]) -> Reduction {
     let mut reducer = Reducer::new(Limits { most_blocks, ..Limits::default() }, nominal);
     for (index, point) in (0..).zip(points) {
         reducer.push(index, point.clone());
@@ -156,6 +160,69 @@ fn single_outliers_are_excluded_and_counted_and_a_step_is_kept() {
         let c = point.state.position[C];
         let expected = if c > 3.0 { 8e-3 } else { 0.0 };
         assert!((departure - expected).abs() < 0.1e-3 || (c - 3.0).abs() < 0.15, "{c} {departure}");
+    }
+}
+
+/// Every kind of noise and phase of the tests below.
+const SEEDS: [usize; 4] = [0, 1_000_000, 2_000_000, 3_000_000];
+
+/// Neighbours that differ more than the noise says nothing against a sample of a smooth motion, or beside a corner of it.
+#[test]
+fn a_smooth_motion_loses_no_sample_however_small_its_noise() {
+    for (seed, turns) in SEEDS.iter().flat_map(|seed| [3.0, 40.0, 200.0, 1000.0].map(|turns| (seed, turns))) {
+        for noise_mm in [1e-7, 5e-5, 2e-4] {
+            let phase = TAU * white(*seed);
+            let teeth = |state: &State, i: usize| {
+                let share = ((turns * state.position[C] + phase) / TAU).rem_euclid(1.0);
+                5e-3 * (2.0 * share - 1.0).abs() + noise_mm * white(seed + i)
+            };
+            let wave = |state: &State, i: usize| {
+                5e-3 * (turns * state.position[C] + phase).sin() + noise_mm * white(seed + i)
+            };
+            let lost = [reduce(&sweep(20_000, 0.5, teeth), 400), reduce(&sweep(20_000, 0.5, wave), 400)]
+                .map(|reduction| reduction.excluded);
+            assert_eq!(lost, [0, 0], "{turns} {noise_mm} {seed}");
+        }
+    }
+}
+
+/// A lone change of a display is its step, not the noise of the probe; a chip is more than that.
+#[test]
+fn a_coarse_display_loses_the_lone_readings_and_no_other() {
+    let cases = [(0.02, 3.0, 40_000), (0.2, 3.0, 40_000), (1.0, 40.0, 40_000), (0.2, 3.0, 400)];
+    for (seed, step_mm) in SEEDS.iter().flat_map(|seed| [5e-4, 1e-3, 2e-3].map(|step_mm| (seed, step_mm))) {
+        for (share_of_noise, turns, every) in cases {
+            let shown = |mm: f64| (mm / step_mm).round() * step_mm;
+            let wave = |state: &State, i: usize| {
+                let noise_mm = share_of_noise * step_mm * white(seed + i);
+                5e-3 * (turns * state.position[C]).sin() + noise_mm
+            };
+            let mut bar = sweep(20_000, 0.5, wave);
+            let lone = bar.iter_mut().skip(every).step_by(every);
+            let lone = lone.map(|point| point.reading_mm[0] += 40e-3).count() as u64;
+            let mut probe = bar.clone();
+            for (bar, probe) in bar.iter_mut().zip(&mut probe) {
+                probe.reading_mm[0] = shown(probe.reading_mm[0] - nominal(&probe.state)[0]);
+                bar.reading_mm[0] = shown(bar.reading_mm[0]);
+            }
+            let lost = [reduce(&bar, 400), reduce_from(&probe, 400, |_| [0.0; 3])]
+                .map(|reduction| reduction.excluded);
+            assert_eq!(lost, [lone, lone], "{step_mm} {share_of_noise} {seed}");
+        }
+    }
+}
+
+#[test]
+fn two_alike_in_a_row_are_excluded_and_three_are_kept() {
+    let base = |seed: usize| sweep(20_000, 0.5, move |_, i| 0.1e-3 * white(seed + i));
+    for (seed, (alike, excluded)) in
+        SEEDS.iter().flat_map(|seed| [(1, 40), (2, 80), (3, 0), (6, 0)].map(|case| (seed, case)))
+    {
+        let mut points = base(*seed);
+        for first in (500..40_000).step_by(1000) {
+            points[first..first + alike].iter_mut().for_each(|point| point.reading_mm[0] += 5e-3);
+        }
+        assert_eq!(reduce(&points, 400).excluded, excluded, "{alike} {seed}");
     }
 }
 
