@@ -1,7 +1,7 @@
 //! The verdict where nothing is claimed: an all-clear that is earned, or that these data cannot say.
 //!
 //! An all-clear needs repeats that show the repeatability, a residual and a held-out error no larger than they allow, no pattern that comes
-//! back and is larger than the repeatability, and no effect that has anything to say for it. It states the size of effect that would have
+//! back and is larger than the repeatability of a single reading, and no effect that has anything to say for it. It states the size of effect that would have
 //! been noticed.
 
 use crate::diagnosis::judged::{LearnedNoise, Verdict};
@@ -11,7 +11,7 @@ use crate::diagnosis::search::Found;
 use crate::diagnosis::verdict::NextCycle;
 use crate::diagnosis::view::What;
 use crate::evidence::turned;
-use crate::fit::identification::Identification;
+use crate::fit::identification::{Identification, Repeatability};
 use crate::noise::learned::kernels::Part;
 use nalgebra::DMatrix;
 use trunnion_core::convert::um_from_mm;
@@ -66,7 +66,7 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
     }
     let (rms_um, noise_um) = (um_from_mm(fit.rms_mm), um_from_mm(repeatability.sigma_mm));
     let sizes = noise_sizes(scan, found.last.null.x());
-    if comes_back(&sizes, fit) {
+    if comes_back(sizes.pattern_um, repeatability) {
         return pattern(sizes.pattern_um, noise_um);
     }
     match (repeatability.allows(fit.rms_mm), units_differ(fit)) {
@@ -78,10 +78,18 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
     // What looks white next to all kernels and yet comes back in repeats is a pattern finer than they are.
     let fine = (sizes.white_um.powi(2) - noise_um.powi(2)).max(0.0);
     let square_of_pattern = sizes.pattern_um.powi(2) + fine;
-    if square_of_pattern > LARGER_PART * excess {
-        return pattern(square_of_pattern.sqrt(), noise_um);
-    }
     let larger = format!("The residual, {rms_um:.2} µm, is larger than repeats allow ({noise_um:.2} µm).");
+    if square_of_pattern > LARGER_PART * excess {
+        if comes_back(square_of_pattern.sqrt(), repeatability) {
+            return pattern(square_of_pattern.sqrt(), noise_um);
+        }
+        let single_um = um_from_mm(repeatability.single_mm());
+        let why = format!(
+            "{larger} Most of it is a pattern that comes back, no larger than the noise of a single reading ({single_um:.2} µm): every \
+             machine has such motions. No effect explains it."
+        );
+        return undecided(why, NextCycle::REPEAT_THIS_PASS);
+    }
     let wanders = sizes.passes_um.powi(2) + sizes.stations_um.powi(2) + sizes.drift_um.powi(2);
     if square_of_pattern + wanders > LARGER_PART * excess {
         let why =
@@ -105,10 +113,11 @@ fn pattern(pattern_um: f64, noise_um: f64) -> (Verdict, String, String) {
     (Verdict::UnnamedStructure, why, next.into())
 }
 
-/// True where repeats show that a pattern which comes back is larger than what differs from visit to visit. More than half of the mean
-/// square is then no noise, and the same in the next run; a residual says nothing of it, as what wanders is in it too.
-fn comes_back(sizes: &LearnedNoise, fit: &Identification) -> bool {
-    fit.known_repeatability().is_some_and(|known| sizes.pattern_um > um_from_mm(known.sigma_mm))
+/// True where a pattern of this size is larger than what differs from visit to visit. More than half of the mean square is then no noise, and
+/// the same in the next run; a residual says nothing of it, as what wanders is in it too. Averaging makes the noise smaller and the
+/// machine's natural motions not: what is natural is stated against a single reading [docs/design/statistics.md §1.1].
+fn comes_back(pattern_um: f64, repeatability: Repeatability) -> bool {
+    pattern_um > um_from_mm(repeatability.single_mm())
 }
 
 /// Why a fit leaves more than noise although its residual is no larger than repeats allow: what was left out is what the user meets next,
@@ -135,7 +144,9 @@ pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
 pub fn remainder_is_natural(scan: &Scan<'_>, fit: &Identification, found: &Found) -> bool {
     let sizes = noise_sizes(scan, found.last.null.x());
     let natural_um = NATURAL_PATTERN * sizes.white_um * scan.remainder.kernels.single;
-    sizes.pattern_um.max(sizes.stations_um) <= natural_um && !comes_back(&sizes, fit)
+    let comes_back = |known| comes_back(sizes.pattern_um, known);
+    sizes.pattern_um.max(sizes.stations_um) <= natural_um
+        && !fit.known_repeatability().is_some_and(comes_back)
 }
 
 /// Effects with something to say for them that is worth more than a bare mention, where together they are worth more than that.

@@ -189,6 +189,11 @@ impl Repeatability {
     pub fn allows(&self, rms_mm: f64) -> bool {
         rms_mm <= MOST_OF_REPEATABILITY * self.sigma_mm
     }
+
+    /// Of a single reading, mm.
+    pub fn single_mm(&self) -> f64 {
+        self.sigma_mm * self.readings.sqrt()
+    }
 }
 
 impl FittedParameter {

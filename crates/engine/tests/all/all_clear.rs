@@ -10,6 +10,11 @@ use trunnion_engine::{Diagnosis, Experiment, Verdict, diagnose};
 /// The run without a hidden effect (0.3 µm from reading to reading) with a smooth pattern over B and C that no effect and no expression is:
 /// eight waves of one size for every probe.
 fn with_pattern(wave_um: f64) -> Diagnosis {
+    with_pattern_in_means(wave_um, 1.0)
+}
+
+/// The same, where each of its points is the mean of so many readings.
+fn with_pattern_in_means(wave_um: f64, readings: f64) -> Diagnosis {
     let mut run = points_run("points-nothing-hidden");
     for point in &mut run.points {
         let (b, c) = (point.state.position[Joint::B], point.state.position[Joint::C]);
@@ -22,7 +27,8 @@ fn with_pattern(wave_um: f64) -> Diagnosis {
         }
     }
     let model = Model::base(&run.machine.name);
-    diagnose(&Experiment::new(&[run]).unwrap(), &model, &Options::default()).unwrap()
+    let experiment = Experiment::new(&[run]).unwrap().of_means(&[readings]);
+    diagnose(&experiment, &model, &Options::default()).unwrap()
 }
 
 /// The residual is 1.6 times the repeatability: less than what wanders may be.
@@ -38,6 +44,17 @@ fn a_pattern_that_is_larger_than_the_repeatability_gets_no_all_clear() {
         found.why
     );
     assert!(found.next_cycle.is_some());
+}
+
+/// Averaging makes the noise smaller, not the motions that every machine has.
+#[test]
+fn a_pattern_no_larger_than_the_noise_of_a_single_reading_is_no_finding_in_means_of_many() {
+    let found = with_pattern_in_means(0.225, 20.0);
+    let noise_um = found.residual.noise_um.expect("every pose was measured twice");
+    assert!(found.noise.pattern_um > noise_um && found.noise.pattern_um < 20f64.sqrt() * noise_um);
+    assert_ne!(found.verdict, Verdict::UnnamedStructure, "{}", found.why);
+    let larger = with_pattern_in_means(1.2, 20.0);
+    assert_eq!(larger.verdict, Verdict::UnnamedStructure, "{}", larger.why);
 }
 
 #[test]
