@@ -37,6 +37,35 @@ pub fn trimmed(value: f64, most_decimals: usize) -> String {
     if rounded < 0.0 { format!("−{size}") } else { size }
 }
 
+/// Three significant digits from 1 on, and every digit before the decimal point; two below 1 and before a power of ten. A true minus
+/// sign, no unit.
+pub fn plain(value: f64) -> String {
+    if !value.is_finite() {
+        return MISSING.into();
+    }
+    match decimals(value) {
+        Some(decimals) => fixed(value, decimals),
+        None => format!("{value:.1e}").replace('-', "−"),
+    }
+}
+
+/// Decimals of [`plain`]; `None` for what is written with a power of ten.
+pub fn decimals(value: f64) -> Option<usize> {
+    match value.abs() {
+        m if m >= 1e6 || (m > 0.0 && m < 1e-3) => None,
+        m if m >= 99.95 => Some(0),
+        m if m >= 9.995 => Some(1),
+        m if m >= 0.0995 || m == 0.0 => Some(2),
+        m if m >= 0.00995 => Some(3),
+        _ => Some(4),
+    }
+}
+
+/// µm with unit, as [`plain`].
+pub fn um(value_um: f64) -> String {
+    if value_um.is_finite() { format!("{} µm", plain(value_um)) } else { MISSING.into() }
+}
+
 fn is_zero(size: &str) -> bool {
     size.chars().all(|c| matches!(c, '0' | '.'))
 }

@@ -1,7 +1,9 @@
 //! Numbers with their units: what JSON holds ([`finite`]), and what a person reads. What is not finite is not known: `null`
 //! there, a dash here.
 
-pub use trunnion_core::number::{MISSING, fixed, signed, trimmed};
+pub use trunnion_core::number::{MISSING, fixed, plain, signed, trimmed, um};
+
+use trunnion_core::number::decimals;
 
 /// A number that JSON can hold.
 pub fn finite(value: f64) -> Option<f64> {
@@ -18,30 +20,6 @@ pub fn unit_on_screen(unit: &str) -> String {
         .replace("degC", "°C")
         .replace("deg", "°")
         .replace("^2", "²")
-}
-
-/// Three significant digits from 1 on, and every digit before the decimal point; two below 1 and before a power of ten. A true minus
-/// sign, no unit.
-pub fn plain(value: f64) -> String {
-    if !value.is_finite() {
-        return MISSING.into();
-    }
-    match decimals(value) {
-        Some(decimals) => fixed(value, decimals),
-        None => format!("{value:.1e}").replace('-', "−"),
-    }
-}
-
-/// Decimals of [`plain`]; `None` for what is written with a power of ten.
-fn decimals(value: f64) -> Option<usize> {
-    match value.abs() {
-        m if m >= 1e6 || (m > 0.0 && m < 1e-3) => None,
-        m if m >= 99.95 => Some(0),
-        m if m >= 9.995 => Some(1),
-        m if m >= 0.0995 || m == 0.0 => Some(2),
-        m if m >= 0.00995 => Some(3),
-        _ => Some(4),
-    }
 }
 
 /// Decimals of two digits of a standard uncertainty.
@@ -71,11 +49,6 @@ pub fn with_unit(value: f64, unit: &str) -> String {
         true => format!("{} {unit}", plain(value)),
         false => MISSING.into(),
     }
-}
-
-/// µm with unit.
-pub fn um(value_um: f64) -> String {
-    with_unit(value_um, "um")
 }
 
 /// µm with unit, or a dash.

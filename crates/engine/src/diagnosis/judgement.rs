@@ -15,6 +15,7 @@ use crate::fit::identification::{Identification, Repeatability};
 use crate::noise::learned::kernels::Part;
 use nalgebra::DMatrix;
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::number::um;
 use trunnion_core::statistics::upper_median;
 
 /// Every machine has repeatable motions; up to this times the noise of a single reading they are no finding.
@@ -78,17 +79,18 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
     // What looks white next to all kernels and yet comes back in repeats is a pattern finer than they are.
     let fine = (sizes.white_um.powi(2) - noise_um.powi(2)).max(0.0);
     let square_of_pattern = sizes.pattern_um.powi(2) + fine;
-    let larger = format!("The residual, {rms_um:.2} µm, is larger than repeats allow ({noise_um:.2} µm).");
+    let larger = format!("The residual, {}, is larger than repeats allow ({}).", um(rms_um), um(noise_um));
     if square_of_pattern > LARGER_PART * excess {
         if comes_back(square_of_pattern.sqrt(), repeatability) {
             return pattern(square_of_pattern.sqrt(), noise_um);
         }
         let single_um = um_from_mm(repeatability.single_mm());
         let why = format!(
-            "{larger} Most of it is a pattern that comes back, no larger than the noise of a single reading ({single_um:.2} µm): every \
-             machine has such motions. No effect explains it."
+            "{larger} Most of it is a pattern that comes back, no larger than the noise of a single reading ({}): every \
+             machine has such motions. No effect explains it.",
+            um(single_um)
         );
-        return undecided(why, NextCycle::REPEAT_THIS_PASS);
+        return undecided(why, &repeat);
     }
     let wanders = sizes.passes_um.powi(2) + sizes.stations_um.powi(2) + sizes.drift_um.powi(2);
     if square_of_pattern + wanders > LARGER_PART * excess {
@@ -106,8 +108,10 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
 /// A pattern that no name and no expression describes.
 fn pattern(pattern_um: f64, noise_um: f64) -> (Verdict, String, String) {
     let why = format!(
-        "A pattern over the positions of some {pattern_um:.2} µm comes back in repeats (repeatability {noise_um:.2} µm). No effect or \
-         expression describes it."
+        "A pattern over the positions of some {} comes back in repeats (repeatability {}). No effect or \
+         expression describes it.",
+        um(pattern_um),
+        um(noise_um)
     );
     let next = "Measure the same positions with half the step: a finer grid shows the form of the pattern.";
     (Verdict::UnnamedStructure, why, next.into())
@@ -126,11 +130,11 @@ pub fn units_differ(fit: &Identification) -> Option<String> {
     let repeatability = fit.known_repeatability()?;
     let held_out = fit.holdout.filter(|held_out| !repeatability.allows(held_out.rms_mm))?;
     Some(format!(
-        "The {} differ: one left out of the fit is predicted to {:.2} µm only, where readings repeat to {:.2} µm. Backlash, a slip of the \
+        "The {} differ: one left out of the fit is predicted to {} only, where readings repeat to {}. Backlash, a slip of the \
          setup and an offset may be confounded in these data.",
         held_out.left_out.plural(),
-        um_from_mm(held_out.rms_mm),
-        um_from_mm(repeatability.sigma_mm)
+        um(um_from_mm(held_out.rms_mm)),
+        um(um_from_mm(repeatability.sigma_mm))
     ))
 }
 

@@ -7,6 +7,7 @@ use crate::fit::options::IdentifyError;
 use crate::problem::Problem;
 use trunnion_core::chain;
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::number::um;
 use trunnion_effects::catalogue::effect_name;
 use trunnion_effects::{Instance, ModelEffect, Scene, Unit};
 
@@ -156,11 +157,11 @@ impl Refit {
         let change_mm = squares.iter().sum::<f64>().sqrt();
         (!squares.is_empty() && change_mm <= step_mm).then(|| {
             format!(
-                "{} fits best, but with {:.2} µm, where the display has steps of {:.2} µm: it shows a slow change of that size as \
+                "{} fits best, but with {}, where the display has steps of {}: it shows a slow change of that size as \
                  a sudden one. Repeat with a finer display.",
                 effect_name(&id),
-                um_from_mm(change_mm),
-                um_from_mm(step_mm),
+                um(um_from_mm(change_mm)),
+                um(um_from_mm(step_mm)),
             )
         })
     }

@@ -121,7 +121,8 @@ fn check_stage(run: &Experiment, every: usize, lead_mm: Option<f64>) {
     let period = answer.candidates[0].period.as_ref().unwrap();
     close(period, STAGE[0], 0.3);
     // The same period among the parameters of the candidate has the same uncertainty.
-    let among = answer.candidates[0].parameters.iter().find(|parameter| parameter.name == "period_mm").unwrap();
+    let among =
+        answer.candidates[0].parameters.iter().find(|parameter| parameter.name == "period_mm").unwrap();
     assert_eq!(among.u, Some(period.u), "every {every}: {among:?}");
     let summary = diagnosed.summary();
     assert!(summary.contains("0.2500 mm") && !summary.contains("No cycle could be planned"), "{summary}");

@@ -11,7 +11,7 @@ use crate::recipes::{Convention, Method};
 use std::cmp::Ordering::Equal;
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::number::signed;
+use trunnion_core::number::{signed, um};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_machine::Machine;
@@ -83,11 +83,11 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
         names => format!(", but {} shows in it", names.join(" or ")),
     };
     let note = format!(
-        "{:.1} % of the variance of the trace is left by the whole list, {:.2} µm rms of {:.2} µm; noise of the readings {:.2} µm; {verdict}{shown}",
+        "{:.1} % of the variance of the trace is left by the whole list, {} rms of {}; noise of the readings {}; {verdict}{shown}",
         100.0 * share,
-        um_from_mm(fit.left_rms_mm),
-        um_from_mm(fit.centred_rms_mm),
-        um_from_mm(fit.noise_mm)
+        um(um_from_mm(fit.left_rms_mm)),
+        um(um_from_mm(fit.centred_rms_mm)),
+        um(um_from_mm(fit.noise_mm))
     );
     values.push(FoundValue::new(format!("{plane} unexplained share"), share, Unit::ONE, None).note(note));
     let beyond_mm = fit.unexplained_beyond_noise_mm();
@@ -102,7 +102,7 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
         let circularity_um = um_from_mm(error.circularity_mm);
         let doubt = if error.significant() { "" } else { "; below twice its uncertainty" };
         let doubt = format!("{doubt}{}", confounded_with(fit, error));
-        values.push(value.note(format!("makes {circularity_um:.2} µm; {}{doubt}", error.listed.about)));
+        values.push(value.note(format!("makes {}; {}{doubt}", um(circularity_um), error.listed.about)));
     }
     values
 }

@@ -13,8 +13,8 @@ use crate::recipes::{Convention, Method, MethodOptions};
 use nalgebra::Vector3;
 use std::cmp::Ordering::Equal;
 use trunnion_core::Twist;
-use trunnion_core::convert::deg_from_rad;
-use trunnion_core::number::{fixed, signed, trimmed};
+use trunnion_core::convert::{deg_from_rad, um_from_mm};
+use trunnion_core::number::{fixed, signed, trimmed, um};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_engine::Identification;
@@ -233,8 +233,8 @@ fn notes(grid: &Grid<'_>, b_errors: &BErrors) -> Vec<String> {
     let (b, c) = (grid.tilting, grid.turning);
     let repeats = match grid.repeat_mm {
         Some(mm) => format!(
-            "Readings of one pose and nest repeat to {:.2} µm (standard deviation; directions of approach included).",
-            mm * Unit::UM.per_inside
+            "Readings of one pose and nest repeat to {} (standard deviation; directions of approach included).",
+            um(um_from_mm(mm))
         ),
         None => "No pose was read twice, so the repeatability is not known.".into(),
     };

@@ -8,6 +8,7 @@ use crate::findings::{
 };
 use crate::recipes::{Convention, Method};
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::number::um;
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
@@ -174,8 +175,8 @@ fn notes(sweeps: &Sweeps, parts: &Parts) -> Vec<String> {
     let worst = sweeps.all.iter().max_by(|a, b| a.rms_mm.total_cmp(&b.rms_mm));
     if let Some(worst) = worst {
         notes.push(format!(
-            "The base model leaves up to {:.2} µm rms ({}); where this grows with the feed, `trunnion diagnose` looks for the cause.",
-            um_from_mm(worst.rms_mm),
+            "The base model leaves up to {} rms ({}); where this grows with the feed, `trunnion diagnose` looks for the cause.",
+            um(um_from_mm(worst.rms_mm)),
             feed_words(sweeps, worst.feed)
         ));
     }
