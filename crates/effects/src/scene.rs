@@ -181,20 +181,36 @@ pub const PLACES_OF_A_VOLUME: usize = 5;
 pub const MOST_PLACES: usize = 6;
 
 /// See [`Scene::places_at_one_pose`].
-fn places_at_one_pose<'a>(states: impl Iterator<Item = &'a State>) -> AxisValues<usize> {
-    let rounded = |state: &State, slot: Slot| (state.position[slot] / same_position(slot)).round() as i64;
-    let mut at_pose: HashMap<[i64; SLOTS], AxisValues<Vec<i64>>> = HashMap::new();
+fn places_at_one_pose<'a>(states: impl Iterator<Item = &'a State> + Clone) -> AxisValues<usize> {
+    let places = AxisValues::from_fn(|slot| first_of_places(states.clone(), slot));
+    let place =
+        |state: &State, slot: Slot| places[slot].partition_point(|first| *first <= state.position[slot]);
+    let mut at_pose: HashMap<[usize; SLOTS], AxisValues<Vec<usize>>> = HashMap::new();
     for state in states {
-        let pose = AxisValues::from_fn(|l| if l.is_rotary() { rounded(state, l) } else { 0 });
-        let places = at_pose.entry(pose.0).or_default();
-        for letter in Slot::ALL.into_iter().filter(|slot| !slot.is_rotary()) {
-            let (seen, here) = (&mut places[letter], rounded(state, letter));
+        let pose = AxisValues::from_fn(|slot| if slot.is_rotary() { place(state, slot) } else { 0 });
+        let seen_there = at_pose.entry(pose.0).or_default();
+        for slot in Slot::ALL.into_iter().filter(|slot| !slot.is_rotary()) {
+            let (seen, here) = (&mut seen_there[slot], place(state, slot));
             if seen.len() < MOST_PLACES && !seen.contains(&here) {
                 seen.push(here);
             }
         }
     }
-    AxisValues::from_fn(|letter| at_pose.values().map(|places| places[letter].len()).max().unwrap_or(0))
+    AxisValues::from_fn(|slot| at_pose.values().map(|places| places[slot].len()).max().unwrap_or(0))
+}
+
+/// Smallest position of each place of an axis. A place begins where the axis stood, not at a multiple of some length: scatter about
+/// such a multiple would make two places of one.
+fn first_of_places<'a>(states: impl Iterator<Item = &'a State>, slot: Slot) -> Vec<f64> {
+    let mut positions: Vec<f64> = states.map(|state| state.position[slot]).collect();
+    positions.sort_by(f64::total_cmp);
+    let mut firsts: Vec<f64> = Vec::new();
+    for position in positions {
+        if firsts.last().is_none_or(|first| position - first > same_position(slot)) {
+            firsts.push(position);
+        }
+    }
+    firsts
 }
 
 /// Smallest step between two positions of an axis at rest; see [`Scene::position_step`].

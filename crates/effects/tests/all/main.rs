@@ -4,5 +4,6 @@ mod catalogue;
 mod distinct;
 mod golden;
 mod motions;
+mod places;
 mod reach;
 mod scenes;
