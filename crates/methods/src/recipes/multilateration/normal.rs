@@ -110,6 +110,13 @@ impl Normal {
         let targets = (0..self.of_targets.len()).map(target).collect();
         Some(Step { stations, targets })
     }
+
+    /// What a step takes off the sum of squares, to first order in it: the square of the step in units of u, times s².
+    pub fn falls_by(&self, step: &Step) -> f64 {
+        let of_target = |(own, right): (&Matrix3<f64>, &Vector3<f64>)| right.dot(&(own * right));
+        let of_targets: f64 = self.own_inverse.iter().zip(&self.of_targets).map(of_target).sum();
+        of_targets + step.stations.dot(&self.of_stations)
+    }
 }
 
 impl Places {

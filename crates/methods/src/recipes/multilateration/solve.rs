@@ -13,6 +13,9 @@ const MOST_STEPS: usize = 50;
 const MOST_HALVINGS: i32 = 30;
 /// A step below this has arrived, mm: a thousandth of what interferometers resolve.
 const ARRIVED_MM: f64 = 1e-9;
+/// So has one that moves every unknown, and every combination of them, by less than this part of its u: what is left is the rounding of
+/// normal equations where the stations hardly determine it.
+const ARRIVED_U: f64 = 1e-3;
 /// Relative rounding of a sum of squares.
 const ROUNDING: f64 = 1e-13;
 /// Stations nearer to a plane than this share of their distances are entered in it.
@@ -61,6 +64,8 @@ pub(super) fn solved(method: &Method, group: &Group) -> Result<Solved, MethodErr
     let mut arrived = false;
     for _ in 0..MOST_STEPS {
         let Some(step) = normal.step() else { return lacks(undetermined(), spread) };
+        let of_noise = ARRIVED_U.powi(2) * squares / group.freedom() as f64;
+        arrived = step.largest_mm() < ARRIVED_MM || normal.falls_by(&step) <= of_noise;
         let taken = (0..MOST_HALVINGS).find_map(|halvings: i32| {
             let tried = at.moved(&step, 0.5f64.powi(halvings));
             let of_tried = sum_of_squares(group, &tried);
@@ -68,7 +73,6 @@ pub(super) fn solved(method: &Method, group: &Group) -> Result<Solved, MethodErr
         });
         let Some((better, of_better)) = taken else { break };
         (at, squares) = (better, of_better);
-        arrived = step.largest_mm() < ARRIVED_MM;
         let Some(next) = self::normal(group, &at) else { return lacks(undetermined(), spread) };
         normal = next;
         if arrived {
