@@ -69,7 +69,7 @@ fn absent(mode: &Mode, kernels: &Kernels, part: Part) -> f64 {
     without / (without + HAS_IT * densities.mean_likelihood)
 }
 
-/// p(y | r) p(r) for r from small to large, but for a constant.
+/// p(y | r) p(r) for r from small to large, but for a constant: the largest likelihood is 1, for those of many readings are beyond any number.
 struct Densities {
     of_ratio: Vec<(f64, f64)>,
     /// p(y | r = 0) and the mean of p(y | r) over the prior.
@@ -83,14 +83,18 @@ impl Densities {
         let share = 0.5 * seen.information / seen.square.max(f64::MIN_POSITIVE);
         let share = share.clamp(LEAST_SHARE, MOST_SHARE);
         let (n, b) = (seen.trace / share, seen.square / share);
-        let likelihood = |ratio: f64| {
+        let ln_likelihood = |ratio: f64| {
             let w = 1.0 + share * (ratio - 1.0);
-            (-0.5 * (n * w.ln() + b * (w.recip() - 1.0))).exp()
+            -0.5 * (n * w.ln() + b * (w.recip() - 1.0))
         };
         let spread = precision.sqrt().recip();
+        let ln_ratio = |step: i32| f64::from(step) * spread * STEP;
+        let ratios = (-STEPS..=STEPS).map(|step| (2.0 * ln_ratio(step)).exp());
+        let largest = ratios.map(ln_likelihood).fold(ln_likelihood(0.0), f64::max);
+        let likelihood = |ratio: f64| (ln_likelihood(ratio) - largest).exp();
         let (mut of_prior, mut sum) = (0.0, 0.0);
         let of_ratio = (-STEPS..=STEPS).map(|step| {
-            let ln = f64::from(step) * spread * STEP;
+            let ln = ln_ratio(step);
             let (ratio, prior) = ((2.0 * ln).exp(), (-0.5 * precision * (off + ln).powi(2)).exp());
             let density = prior * likelihood(ratio);
             (of_prior, sum) = (of_prior + prior, sum + density);
@@ -140,6 +144,16 @@ mod tests {
         let size = Size::new(Part::Drift, 2.0, &Densities::new(&seen, 0.0, 0.7), 0.0);
         assert!((size.mean / 2.0 - n / (n - 2.0)).abs() < 1e-2, "{}", size.mean);
         assert!(size.quantile(0.02) < size.mean && size.mean < size.quantile(0.98));
+    }
+
+    /// The prior holds a kernel up that the readings do not show in many directions: e^2000 is no number, the size is one all the same.
+    #[test]
+    fn a_size_is_a_number_however_many_readings_speak() {
+        let seen = Seen { trace: 1199.0, square: 0.6, information: 1.2 };
+        let densities = Densities::new(&seen, 0.0, 0.3);
+        let size = Size::new(Part::Drift, 1.0, &densities, 0.0);
+        assert!(size.mean > 0.0 && size.mean < 1.0, "{}", size.mean);
+        assert!((densities.of_none / densities.mean_likelihood).is_finite());
     }
 
     /// Nothing seen: the prior alone, E[v] = v̂ exp(2 σ²), and no word about whether the machine has the part.
