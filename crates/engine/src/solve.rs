@@ -2,6 +2,7 @@
 
 pub(crate) mod combinations;
 pub(crate) mod direction;
+pub(crate) mod echelon;
 pub(crate) mod golden_section;
 pub mod linear;
 pub(crate) mod normal;

@@ -66,8 +66,13 @@ pub(crate) fn converge(
 ) -> Result<Converged, IdentifyError> {
     let mut reduced = design.reduce(used)?;
     let rows = design.experiment.rows();
-    let limits =
-        Limits { tolerance: options.null_tolerance, off_nominal: design.off_nominal(), weakest: 0.0, rows };
+    let limits = Limits {
+        tolerance: options.null_tolerance,
+        off_nominal: design.off_nominal(),
+        weakest: 0.0,
+        rows,
+        rows_moved: rows as f64 / design.experiment.setups.len().max(1) as f64,
+    };
     let datum = named_datum(design, &reduced, &limits);
     let nothing = DVector::from_iterator(
         design.joint.width(),

@@ -6,8 +6,9 @@
 //! Limits: at most [`MOST`] errors without numbers; settings of instruments do not take part.
 
 use crate::solve::direction::Named;
-use crate::solve::null_space::{Direction, echelon, spell};
-use nalgebra::{DMatrix, DVector};
+use crate::solve::echelon::echelon;
+use crate::solve::null_space::{Direction, spell};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Beyond this many the combinations would be of no use to a person.
 const MOST: usize = 24;
@@ -79,5 +80,7 @@ pub(crate) fn seen_together(
             unit: names[terms[0].0].unit,
         }
     };
-    echelon(v_t.select_rows(&kernel), &[], &[], TAKES_PART).into_iter().map(combination).collect()
+    let alike = vec![1.0; without_number.len()];
+    let least = |_: &RowDVector<f64>| vec![TAKES_PART; without_number.len()];
+    echelon(v_t.select_rows(&kernel), &[], &[], &alike, &least).into_iter().map(combination).collect()
 }

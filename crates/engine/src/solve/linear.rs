@@ -91,8 +91,14 @@ impl Reduced {
 
     /// Singular values (falling) and right singular vectors (columns) of the scaled columns `of`.
     pub fn singular(&self, of: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
-        let svd = self.triangle.select_columns(of).svd(false, true);
-        (svd.singular_values, svd.v_t.expect("asked for").transpose())
+        let (sigma, v_t) = Self::singular_of(self.triangle.select_columns(of));
+        (sigma, v_t.transpose())
+    }
+
+    /// Singular values (falling) and right singular vectors (rows) of a matrix with no more columns than rows.
+    pub fn singular_of(matrix: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let svd = matrix.svd(false, true);
+        (svd.singular_values, svd.v_t.expect("asked for"))
     }
 
     /// T with A T orthonormal: the directions with a singular value above `tolerance` of the largest. T Tᵀ Aᵀ b solves

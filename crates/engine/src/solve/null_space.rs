@@ -1,22 +1,24 @@
 //! What the data cannot see: null directions of the scaled design, made sparse and named.
 //!
-//! Null vectors are the right singular vectors with σ ≤ tolerance·σ₁, those that show no more than positions a little off the
-//! commanded ones would show by themselves (`problem::off_nominal`), and those along which the fit
-//! would wander by more than `MEANINGLESS_MM` of reading. They are brought to reduced row echelon form. Every pivot is held at
-//! zero, which leaves independent columns. This is done in two stages, for the role of an effect decides who keeps a number
-//! (docs/decisions/0004-datum-convention.md).
+//! Null vectors are all directions of the scaled columns that show no more than rounding and positions a little off the commanded ones
+//! would show by themselves (`problem::off_nominal`), and those along which the fit would wander by more than `MEANINGLESS_MM` of
+//! reading. They are brought to reduced row echelon form (`solve::echelon`). Every pivot is held at zero, which leaves independent
+//! columns. This is done in two stages, for the role of an effect decides who keeps a number (docs/decisions/0004-datum-convention.md).
 //!
 //! 1. Location errors and settings alone. Pivots are first the parameters that the minimum set of location errors defines as zero
 //!    (S2 tables 2–5), weakest first, then the most involved ones. A conventional pivot lets the others of its direction stand
-//!    for it; any other pivot leaves its whole direction without numbers.
+//!    for it; any other pivot leaves its whole direction without numbers. Of parameters involved alike the pivot is the one whose
+//!    zero asks least of the others: of a tilt and a zero of the reading, 15 mm apart, the tilt. Were the zero held, a dead path of
+//!    10 mm would be a tilt of 40°.
 //! 2. What stage 1 determines next to the parameters of causes, error motions and descriptions. The most involved of these are
 //!    pivots: no parameter of them in the direction gets a number, the location errors and settings in it keep theirs.
 //!
 //! So an effect that is added to a model takes no number from the location errors and settings.
 
 use crate::solve::direction::{Named, Status, Unobservable};
+use crate::solve::echelon::echelon;
 use crate::solve::linear::Reduced;
-use nalgebra::{DMatrix, DVectorView};
+use nalgebra::{DMatrix, RowDVector};
 use trunnion_effects::{Parameter, Unit};
 
 /// A direction whose uncertainty moves the readings by more than this (rms, mm) has no physical meaning.
@@ -25,10 +27,16 @@ const MEANINGLESS_MM: f64 = 1.0;
 /// column is rounding and the mean of blocks.
 const FAINTEST_PER_MM: f64 = 1e-6;
 const FAINTEST_PER_RAD_MM: f64 = 1e-4;
-/// Share of a direction (scaled columns) above which a parameter takes part: by rounding, for weak directions, and at most.
+/// Share of a direction (scaled columns) above which a parameter takes part: by rounding, and for weak directions.
 const TAKES_PART: f64 = 1e-6;
 const TAKES_PART_WEAKLY: f64 = 1e-3;
-const TAKES_PART_CLEARLY: f64 = 0.05;
+/// Standard deviations of what positions off by chance make of a share: more are its own.
+const CHANCE: f64 = 3.0;
+/// A null direction is no longer than this, mm, an angle as the length that it moves at [`REACH_MM`]: ten times what a machine is aligned to.
+/// Who moves by less than its u meanwhile takes no part.
+const FARTHEST_MM: f64 = 10.0;
+/// An angle counts as much as the length that it moves at this distance, mm: the reach of a machine.
+const REACH_MM: f64 = 1e3;
 
 /// How the null space is fixed.
 pub(crate) struct Datum {
@@ -82,6 +90,13 @@ pub(crate) struct Limits<'a> {
     pub weakest: f64,
     /// Number of rows.
     pub rows: usize,
+    /// Those that a direction moves, at least: the rows of one setup.
+    pub rows_moved: f64,
+}
+
+/// The length that one unit of a parameter stands for, mm.
+fn length_mm(parameter: &Parameter) -> f64 {
+    if parameter.unit == Unit::URAD { REACH_MM } else { 1.0 }
 }
 
 impl Limits<'_> {
@@ -90,12 +105,19 @@ impl Limits<'_> {
         Self { weakest: sigma_mm / (MEANINGLESS_MM * (rows as f64).sqrt()), rows, ..*self }
     }
 
-    /// ‖ΔA v‖ of the direction v of the scaled columns `of`: what it would show if positions alone were a little off.
-    fn off_nominal(&self, reduced: &Reduced, of: &[usize], v: &DVectorView<'_, f64>) -> f64 {
-        let scaled = |k: usize| v[k] * reduced.scale[of[k]];
-        let entry = |(k, l): (usize, usize)| scaled(k) * self.off_nominal[(of[k], of[l])] * scaled(l);
-        let pairs = (0..of.len()).flat_map(|k| (0..of.len()).map(move |l| (k, l)));
-        pairs.map(entry).sum::<f64>().max(0.0).sqrt()
+    /// The residual standard deviation, mm; 0 when it is not known yet.
+    fn noise_mm(&self) -> f64 {
+        self.weakest * MEANINGLESS_MM * (self.rows as f64).sqrt()
+    }
+
+    /// ΔAᵀΔA of the scaled columns `of`: what they would show if positions alone were a little off.
+    fn off_nominal(&self, reduced: &Reduced, of: &[usize]) -> DMatrix<f64> {
+        let scale = |k: usize| reduced.scale[of[k]];
+        let scaled = |k: usize, l: usize| scale(k) * self.off_nominal[(of[k], of[l])] * scale(l);
+        // An effect may have no finite value a little off the positions; a decomposition would never end.
+        DMatrix::from_fn(of.len(), of.len(), |k, l| {
+            Some(scaled(k, l)).filter(|x| x.is_finite()).unwrap_or(0.0)
+        })
     }
 
     /// True when a parameter moves the readings by less than means anything (rms, mm for each mm or rad), or by no more than
@@ -177,7 +199,7 @@ impl Work<'_> {
         if of.is_empty() {
             return;
         }
-        let Null { vectors, weak, takes_part } = null(self.reduced, &of, self.limits);
+        let Null { vectors, weak, off, least, root_cofactor } = null(self.reduced, &of, self.limits);
         let place = |j: usize| of.iter().position(|&k| k == j);
         let named = |zero: &Zero| of.iter().position(|&j| self.parameters[j].name == zero.name);
         let (mut preferred, mut standing, mut first) = (Vec::new(), Vec::new(), Vec::new());
@@ -188,12 +210,22 @@ impl Work<'_> {
             }
             Pivots::Added(added) => first = added.iter().filter_map(|&j| place(j)).collect(),
         }
-        self.datum.rank = of.len() - vectors.ncols();
-        let rows = echelon(vectors.transpose(), &preferred, &first, takes_part);
+        self.datum.rank = of.len() - vectors.nrows();
+        let counts: Vec<f64> =
+            of.iter().map(|&j| self.reduced.scale[j] * length_mm(&self.parameters[j])).collect();
+        let noise_mm = self.limits.noise_mm();
+        let least_shares = |row: &RowDVector<f64>| {
+            let off_mm =
+                CHANCE * (row * &off * row.transpose())[0].max(0.0).sqrt() / self.limits.rows_moved.sqrt();
+            let longest_mm =
+                row.iter().zip(&counts).map(|(share, count)| share.abs() * count).fold(0.0, f64::max);
+            let unfelt_mm = noise_mm * longest_mm / FARTHEST_MM;
+            root_cofactor.iter().map(|root| (root * off_mm.max(unfelt_mm)).max(least)).collect()
+        };
+        let rows = echelon(vectors, &preferred, &first, &counts, &least_shares);
         let held: Vec<usize> = rows.iter().map(|(pivot, _)| of[*pivot]).collect();
         for (pivot, row) in rows {
-            let others: Vec<usize> =
-                (0..row.len()).filter(|&k| k != pivot && row[k].abs() > takes_part).collect();
+            let others: Vec<usize> = (0..row.len()).filter(|&k| k != pivot && row[k] != 0.0).collect();
             let of_base = others.iter().any(|k| !first.contains(k));
             let share = match preferred.iter().position(|&zero| zero == pivot) {
                 Some(k) if standing[k] => Share::Mounting,
@@ -221,77 +253,55 @@ impl Work<'_> {
 
 /// What some columns do not show.
 struct Null {
-    /// Null vectors (columns) of the scaled columns.
+    /// Null vectors of the scaled columns, orthonormal rows.
     vectors: DMatrix<f64>,
     /// True when some are not exactly null, only too weak.
     weak: bool,
-    /// Share of a vector from which a parameter takes part in it.
-    takes_part: f64,
+    /// ΔAᵀΔA of the scaled columns.
+    off: DMatrix<f64>,
+    /// Share of a unit vector from which a parameter takes part in it, by rounding.
+    least: f64,
+    /// Roots of the diagonal of (AᵀA)⁻¹ in what is seen: u of each parameter for noise of 1 mm.
+    root_cofactor: Vec<f64>,
 }
 
+/// Unseen are all v with ‖A v‖ ≤ ‖ΔA v‖, found together: singular vectors of A alone mix what is seen with what is not, and other
+/// positions mix them otherwise [Van Loan 1976].
+///
+/// Positions off by chance turn a null vector v by A⁺ ΔA v: parameter j by ‖ΔA v‖/√m times the root of its (AᵀA)⁻¹, m the readings that v
+/// moves.
 fn null(reduced: &Reduced, of: &[usize], limits: &Limits<'_>) -> Null {
-    let (sigma, v) = reduced.singular(of);
-    let null_below = limits.tolerance.max(reduced.floor) * sigma[0];
-    let off: Vec<f64> =
-        (0..sigma.len()).map(|i| limits.off_nominal(reduced, of, &v.column(i).as_view())).collect();
-    let (unseen, seen): (Vec<usize>, Vec<usize>) =
-        (0..sigma.len()).partition(|&i| sigma[i] <= null_below.max(off[i]));
-    let (faint, seen): (Vec<usize>, Vec<usize>) = seen.into_iter().partition(|&i| sigma[i] < limits.weakest);
-    let weak = !faint.is_empty();
-    let null: Vec<usize> = unseen.iter().chain(&faint).copied().collect();
-    // Positions a little off turn the null space towards the weakest direction that is seen (Davis and Kahan: by ‖ΔA v‖ over its σ).
-    let turned = match seen.iter().map(|&i| sigma[i]).reduce(f64::min) {
-        Some(weakest) => null.iter().map(|&i| off[i] / weakest).fold(0.0, f64::max),
-        None => 0.0,
-    };
-    let rounding = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
-    let takes_part = turned.clamp(rounding, TAKES_PART_CLEARLY);
-    Null { vectors: v.select_columns(&null), weak, takes_part }
+    let triangle = reduced.triangle.select_columns(of);
+    let off = limits.off_nominal(reduced, of);
+    let floor = limits.tolerance.max(reduced.floor) * triangle.singular_values().amax();
+    let unseen = unseen(&triangle, off.clone(), floor);
+    let others = DMatrix::identity(of.len(), of.len()) - unseen.transpose() * &unseen;
+    let (sigma, v_t) = Reduced::singular_of(&triangle * others);
+    let (faint, seen): (Vec<usize>, Vec<usize>) =
+        (0..of.len() - unseen.nrows()).partition(|&i| sigma[i] < limits.weakest);
+    let faint = v_t.select_rows(&faint);
+    let weak = faint.nrows() > 0;
+    let rows: Vec<_> = unseen.row_iter().chain(faint.row_iter()).collect();
+    let vectors = if rows.is_empty() { DMatrix::zeros(0, of.len()) } else { DMatrix::from_rows(&rows) };
+    let least = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
+    let root_cofactor = |j: usize| seen.iter().map(|&i| (v_t[(i, j)] / sigma[i]).powi(2)).sum::<f64>().sqrt();
+    Null { vectors, weak, off, least, root_cofactor: (0..of.len()).map(root_cofactor).collect() }
 }
 
-/// Reduced row echelon form; pivots from `preferred` in this order while they take part, then the largest entries of the columns
-/// `first` while they take part, then the largest of all.
-pub(crate) fn echelon(
-    mut rows: DMatrix<f64>,
-    preferred: &[usize],
-    first: &[usize],
-    takes_part: f64,
-) -> Vec<(usize, Vec<f64>)> {
-    let mut pivots = Vec::new();
-    let mut preferred = preferred.iter();
-    while pivots.len() < rows.nrows() {
-        let below = pivots.len();
-        let largest_in = |column: usize, rows: &DMatrix<f64>| {
-            (below..rows.nrows()).map(|i| (i, rows[(i, column)].abs())).max_by(|a, b| a.1.total_cmp(&b.1))
-        };
-        let chosen = preferred.by_ref().find_map(|&column| {
-            largest_in(column, &rows).filter(|(_, size)| *size > takes_part).map(|(i, _)| (i, column))
-        });
-        let among_first = || {
-            let largest = first.iter().filter_map(|&column| Some((largest_in(column, &rows)?, column)));
-            let ((row, size), column) = largest.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
-            (size > takes_part).then_some((row, column))
-        };
-        let (row, column) = chosen.or_else(among_first).unwrap_or_else(|| {
-            let rest = rows.rows(below, rows.nrows() - below);
-            let (i, column) = rest.icamax_full();
-            (below + i, column)
-        });
-        rows.swap_rows(below, row);
-        let pivot = rows[(below, column)];
-        rows.row_mut(below).scale_mut(pivot.recip());
-        let pivot_row = rows.row(below).into_owned();
-        for i in (0..rows.nrows()).filter(|&i| i != below) {
-            let factor = rows[(i, column)];
-            rows.row_mut(i).zip_apply(&pivot_row, |x, p| *x -= factor * p);
-        }
-        pivots.push(column);
+/// Orthonormal rows v with ‖R v‖² ≤ vᵀ (ΔAᵀΔA + ε²) v: with ΔAᵀΔA + ε² = T⁻ᵀ T⁻¹ the v = T w, w the right singular vectors of R T whose
+/// singular values are at most 1.
+fn unseen(triangle: &DMatrix<f64>, off: DMatrix<f64>, floor: f64) -> DMatrix<f64> {
+    let width = triangle.ncols();
+    let eigen = off.symmetric_eigen();
+    let little =
+        eigen.eigenvalues.map(|square| (square.max(0.0) + floor * floor).max(f64::MIN_POSITIVE).sqrt());
+    let scaled = eigen.eigenvectors * DMatrix::from_diagonal(&little.map(f64::recip));
+    let (gamma, w_t) = Reduced::singular_of(triangle * &scaled);
+    let below: Vec<usize> = (0..gamma.len()).filter(|&i| gamma[i] <= 1.0).collect();
+    if below.is_empty() {
+        return DMatrix::zeros(0, width);
     }
-    pivots
-        .into_iter()
-        .enumerate()
-        .map(|(i, column)| (column, rows.row(i).iter().copied().collect()))
-        .collect()
+    (scaled * w_t.select_rows(&below).transpose()).qr().q().transpose()
 }
 
 /// The direction in words.

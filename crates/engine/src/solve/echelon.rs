@@ -1,0 +1,106 @@
+//! Reduced row echelon form of null vectors: each direction is named by one parameter, its pivot, and the fewest others.
+
+use nalgebra::{DMatrix, RowDVector};
+
+/// Share of the largest entry from which another may be the pivot: threshold pivoting, with its usual 1/10 [Duff 1986].
+const PIVOT_SHARE: f64 = 0.1;
+
+/// Reduced row echelon form of orthonormal rows; pivots from `preferred` in this order while they take part, then the largest entries
+/// of the columns `first` while they take part, then of all those that are large the one that counts most. `least`: the shares of a row
+/// of length 1 from which each column takes part in it; an entry below is zero.
+pub(crate) fn echelon(
+    mut rows: DMatrix<f64>,
+    preferred: &[usize],
+    first: &[usize],
+    counts: &[f64],
+    least: &dyn Fn(&RowDVector<f64>) -> Vec<f64>,
+) -> Vec<(usize, Vec<f64>)> {
+    let mut pivots = Vec::new();
+    let mut preferred = preferred.iter();
+    while pivots.len() < rows.nrows() {
+        let below = pivots.len();
+        let part = taking_part(&rows.rows(below, rows.nrows() - below).into_owned(), least);
+        let takes_part = |&(i, j): &(usize, usize)| part[(i - below, j)] != 0.0;
+        let size = |cell: &(usize, usize)| rows[*cell].abs();
+        // The largest entry of a column of those that take part.
+        let largest_in = |column: usize| {
+            let cells = (below..rows.nrows()).map(|i| (i, column)).filter(takes_part);
+            cells.max_by(|a, b| size(a).total_cmp(&size(b)))
+        };
+        let chosen = preferred.by_ref().find_map(|&column| largest_in(column));
+        let among_first = || {
+            let cells = first.iter().filter_map(|&column| largest_in(column));
+            cells.max_by(|a, b| size(a).total_cmp(&size(b)))
+        };
+        let (row, column) = chosen.or_else(among_first).unwrap_or_else(|| {
+            let largest = rows.rows(below, rows.nrows() - below).amax();
+            let cells = (0..rows.ncols()).flat_map(|j| (below..rows.nrows()).map(move |i| (i, j)));
+            let large = cells.filter(|cell| size(cell) >= PIVOT_SHARE * largest);
+            let counted = |cell: &(usize, usize)| match takes_part(cell) {
+                true => size(cell) * counts[cell.1],
+                false => 0.0,
+            };
+            // The first of several alike.
+            large.rev().max_by(|a, b| counted(a).total_cmp(&counted(b))).unwrap_or((below, 0))
+        });
+        rows.swap_rows(below, row);
+        let pivot = rows[(below, column)];
+        rows.row_mut(below).scale_mut(pivot.recip());
+        let pivot_row = rows.row(below).into_owned();
+        for i in (0..rows.nrows()).filter(|&i| i != below) {
+            let factor = rows[(i, column)];
+            rows.row_mut(i).zip_apply(&pivot_row, |x, p| *x -= factor * p);
+        }
+        pivots.push(column);
+    }
+    let mut kept = taking_part(&rows, least);
+    pivots.iter().enumerate().for_each(|(i, &pivot)| kept[(i, pivot)] = 1.0);
+    let of_row = |(i, column): (usize, usize)| (column, kept.row(i).iter().copied().collect());
+    pivots.into_iter().enumerate().map(of_row).collect()
+}
+
+/// The entries that take part; zero for the others.
+fn taking_part(rows: &DMatrix<f64>, least: &dyn Fn(&RowDVector<f64>) -> Vec<f64>) -> DMatrix<f64> {
+    let mut part = rows.clone();
+    for mut row in part.row_iter_mut() {
+        let unit = row.normalize();
+        for ((entry, share), least) in row.iter_mut().zip(unit.iter()).zip(least(&unit)) {
+            if share.abs() <= least {
+                *entry = 0.0;
+            }
+        }
+    }
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The zero of a display and the tilt of its plate, 15 mm apart, have the same share; third comes a parameter of a small share.
+    #[test]
+    fn of_parameters_involved_alike_the_one_that_counts_most_is_the_pivot() {
+        let row = DMatrix::from_row_slice(1, 3, &[0.7, -0.71, 0.05]).normalize();
+        let pivot = |counts: [f64; 3]| echelon(row.clone(), &[], &[], &counts, &|_| vec![1e-6; 3])[0].0;
+        assert_eq!(pivot([1.0, 1e3 / 15.0, 1.0]), 1);
+        assert_eq!(pivot([1e3 / 15.0, 1.0, 1.0]), 0);
+        assert_eq!(pivot([1.0, 1.0, 1e9]), 1, "a small share is no pivot, however much it counts");
+    }
+
+    #[test]
+    fn who_does_not_take_part_is_zero_and_no_pivot() {
+        let row = DMatrix::from_row_slice(1, 3, &[1.0, 1.0, 1e-4]).normalize();
+        let (pivot, entries) =
+            echelon(row.clone(), &[2], &[], &[1.0; 3], &|_| vec![1e-6, 1e-6, 1e-3]).remove(0);
+        assert!(pivot != 2 && entries[2] == 0.0, "{entries:?}");
+        let (pivot, entries) = echelon(row, &[2], &[], &[1.0; 3], &|_| vec![1e-6; 3]).remove(0);
+        assert!(pivot == 2 && entries[0] != 0.0, "{entries:?}");
+    }
+
+    #[test]
+    fn where_nobody_takes_part_the_pivot_is_still_one() {
+        let row = DMatrix::from_row_slice(1, 2, &[0.6, 0.8]);
+        let (pivot, entries) = echelon(row, &[], &[], &[1.0; 2], &|_| vec![2.0; 2]).remove(0);
+        assert!(entries[pivot] == 1.0 && entries[1 - pivot] == 0.0, "{entries:?}");
+    }
+}
