@@ -90,9 +90,7 @@ pub use identification::{
 pub use json::{to_json, to_json_line};
 pub use ladder::{Added, Ladder, LadderEntry, LadderFormat, LadderRow, Moved, Removal, Removed};
 pub use left_out::LeftOutEffect;
-pub use linear::{
-    FormulaChecked, FormulaFormat, Linear, LinearColumn, LinearFormat, LinearPoint, LinearSolution,
-};
+pub use linear::{FormulaChecked, FormulaFormat, Linear, LinearFormat, LinearPoint, LinearSolution};
 pub use live::{
     BallOffset, Live, LiveAxis, LiveCycle, LiveDevice, LiveFormat, LiveProbe, LiveTemperature, Zone,
 };

@@ -1,12 +1,13 @@
-//! A fit as a matrix product: what switching an effect on or off does to every reading.
+//! What switching an effect on or off does to every reading, to first order.
 //!
-//! `residual(x) = residual − columns · (x − values of the model)`; a solution is x of one set of effects.
+//! `residual of a set = residual of the model − change of the set`; changes of several sets add.
 
+use crate::number::rounded;
 use crate::residuals::{ResidualAxis, ResidualPoint, ResidualSetup};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// `trunnion-linear/1`: points, columns and solutions for what-if.
+/// `trunnion-linear/2`: points and solutions for what-if.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Linear {
     /// Format and version.
@@ -17,9 +18,7 @@ pub struct Linear {
     pub setups: Vec<ResidualSetup>,
     /// Points in the order in which they were taken.
     pub points: Vec<LinearPoint>,
-    /// Every column of the effects below, µm per unit of the parameter; rows are the components of point after point.
-    pub columns: Vec<LinearColumn>,
-    /// Residual of the model in these rows, µm.
+    /// Residual of the model, µm; rows are the components of point after point.
     pub residual_um: Vec<f64>,
     /// The fit of the model first, then each change of one effect: without one that was added, with one candidate.
     pub solutions: Vec<LinearSolution>,
@@ -28,10 +27,10 @@ pub struct Linear {
 /// Format and version of a linear fit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum LinearFormat {
-    /// The first.
+    /// The second: what a set changes, not the columns that it is made of.
     #[default]
-    #[serde(rename = "trunnion-linear/1")]
-    V1,
+    #[serde(rename = "trunnion-linear/2")]
+    V2,
 }
 
 /// Where a point was.
@@ -47,19 +46,6 @@ pub struct LinearPoint {
     pub time_s: Option<f64>,
 }
 
-/// What one parameter does to every reading.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct LinearColumn {
-    /// Effect id.
-    pub effect: String,
-    /// Name of the parameter.
-    pub parameter: String,
-    /// Its unit, e.g. `um`.
-    pub unit: String,
-    /// One value for each row, µm per unit.
-    pub values: Vec<f64>,
-}
-
 /// A fit of one set of effects.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LinearSolution {
@@ -69,8 +55,8 @@ pub struct LinearSolution {
     pub title: String,
     /// True where the effect is in the model and this is the fit without it.
     pub without: bool,
-    /// One value for each column, in its unit; 0 for columns of effects that this set has not.
-    pub values: Vec<f64>,
+    /// What this set takes off the residual of the model, µm, a value for each row; empty for the model itself.
+    pub change_um: Vec<f64>,
     /// Root mean square of the fit, µm.
     pub rms_um: f64,
     /// The same as a person reads it.
@@ -104,12 +90,13 @@ pub enum FormulaFormat {
 }
 
 impl From<&ResidualPoint> for LinearPoint {
+    /// With more decimals than a page shows, and no more: there may be 10 000 of them.
     fn from(point: &ResidualPoint) -> Self {
         Self {
             setup: point.setup,
-            position: point.position.clone(),
+            position: point.position.iter().map(|&position| rounded(position, 4)).collect(),
             direction: point.direction.clone(),
-            time_s: point.time_s,
+            time_s: point.time_s.map(|time_s| rounded(time_s, 3)),
         }
     }
 }

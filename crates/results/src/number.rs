@@ -10,6 +10,12 @@ pub fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
+/// The number with so many decimals.
+pub fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    (value * scale).round() / scale
+}
+
 /// Unit on screen for the ASCII unit of files, e.g. `µm` for `um`.
 pub fn unit_on_screen(unit: &str) -> String {
     if unit == "1" {

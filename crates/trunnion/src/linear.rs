@@ -1,20 +1,21 @@
-//! A diagnosed fit as a matrix product: columns of its effects and candidates, and the fit of every change of one effect.
+//! A diagnosed fit next to the fit of every change of one effect: what each takes off the residual, to first order.
 
 use crate::{Diagnosed, Error, Experiment, Fit, FormulaText, Model};
+use nalgebra::{DMatrix, DVector};
 use std::error::Error as _;
 use trunnion_core::convert::um_from_mm;
 use trunnion_effects::{Instance, ModelEffect};
 use trunnion_results as results;
-use trunnion_results::number::um;
+use trunnion_results::number::{rounded, um};
 use trunnion_results::sentences::effect_name;
 
 /// Most candidates that are fitted for what-if: those that a page lists first.
 const MOST_CANDIDATES: usize = 5;
-/// Digits of a column: a thousandth of what a screen shows of the largest motion.
-const DIGITS: f64 = 6.0;
+/// Decimals of µm: a hundredth of what a screen shows.
+const DECIMALS: i32 = 4;
 
 impl Diagnosed {
-    /// Points, columns and solutions for what-if: `trunnion-linear/1`.
+    /// Points and solutions for what-if: `trunnion-linear/2`.
     ///
     /// # Errors
     /// When the fit of a change fails.
@@ -40,33 +41,35 @@ impl Diagnosed {
         let every = shown.every.max(1);
         let rows: Vec<usize> =
             (0..experiment.points.len()).step_by(every).flat_map(|i| experiment.rows_of(i)).collect();
-        let residual_mm = &fit.identification().residual_mm;
-        let mut blocks: Vec<Block> = Vec::new();
-        let placed: Vec<Vec<(usize, f64)>> =
-            fits.iter().map(|(_, _, fit)| place(fit, &rows, &mut blocks)).collect();
-        let width = blocks.iter().map(|block| block.columns.len()).sum();
-        let solutions = fits.into_iter().zip(placed).map(|((changed, is_without, fit), placed)| {
-            let mut values = vec![0.0; width];
-            placed.into_iter().for_each(|(column, value)| values[column] = value);
-            let rms_um = um_from_mm(fit.identification().rms_mm);
+        let mut placed = Placed::default();
+        let of_model_mm = placed.motion_mm(fit);
+        let of_rows = |all_mm: &DVector<f64>| {
+            rows.iter().map(|&row| rounded(um_from_mm(all_mm[row]), DECIMALS)).collect()
+        };
+        let solutions = fits.into_iter().map(|(changed, is_without, of_set)| {
+            let found = of_set.identification();
+            let rms_um = um_from_mm(found.rms_mm);
             results::LinearSolution {
                 title: if changed.is_empty() { "The model".into() } else { effect_name(&changed) },
+                change_um: if changed.is_empty() {
+                    Vec::new()
+                } else {
+                    of_rows(&(placed.motion_mm(&of_set) - &of_model_mm))
+                },
                 changed,
                 without: is_without,
-                values,
                 rms_um,
                 rms: um(rms_um),
-                excluded: fit.identification().outliers.iter().map(|outlier| outlier.point).collect(),
+                excluded: found.outliers.iter().map(|outlier| outlier.point).collect(),
             }
         });
         Ok(results::Linear {
             solutions: solutions.collect(),
-            format: results::LinearFormat::V1,
-            residual_um: rows.iter().map(|&row| short(um_from_mm(residual_mm[row]))).collect(),
+            format: results::LinearFormat::V2,
+            residual_um: of_rows(&fit.identification().residual_mm),
             points: shown.points.iter().map(results::LinearPoint::from).collect(),
             axes: shown.axes,
             setups: shown.setups,
-            columns: blocks.into_iter().flat_map(|block| block.columns).collect(),
         })
     }
 }
@@ -110,55 +113,35 @@ fn without(model: &Model, effect: &str) -> Model {
     smaller.into()
 }
 
-/// Columns of one effect with one shape.
-struct Block {
-    effect: String,
-    shape: Vec<f64>,
-    first: usize,
-    columns: Vec<results::LinearColumn>,
+/// Columns of the effects that were met so far, mm per unit.
+#[derive(Default)]
+struct Placed {
+    known: Vec<(String, Vec<f64>, DMatrix<f64>)>,
 }
 
-/// Puts the effects of a fit among the blocks; gives each of its values with the index of its column.
-fn place(fit: &Fit, rows: &[usize], blocks: &mut Vec<Block>) -> Vec<(usize, f64)> {
-    let (found, experiment) = (fit.identification(), fit.experiment().points());
-    let mut values = Vec::new();
-    for (entry, effect) in fit.model().entries().effects.iter().zip(&found.effects) {
-        let parameters = found.parameters.iter().enumerate().filter(|(_, p)| p.effect == effect.id);
-        let known = blocks.iter().position(|block| block.effect == effect.id && block.shape == effect.shape);
-        let block = known.unwrap_or_else(|| {
-            let first = blocks.last().map_or(0, |last| last.first + last.columns.len());
-            let column = |mm: nalgebra::DVectorView<'_, f64>,
-                          (_, p): (usize, &trunnion_engine::FittedParameter)| {
-                results::LinearColumn {
-                    effect: effect.id.clone(),
-                    parameter: p.name.clone(),
-                    unit: p.unit.symbol.into(),
-                    values: rows.iter().map(|&row| short(um_from_mm(mm[row]) / p.unit.per_inside)).collect(),
-                }
-            };
-            // The fit placed the same entry: it can be made.
-            let columns = Instance::from_model_effect(entry, fit.experiment().machine())
-                .map(|instance| experiment.columns(&instance, &effect.shape));
-            let columns = columns.map_or_else(
-                |_| Vec::new(),
-                |mm| mm.column_iter().zip(parameters.clone()).map(|(mm, p)| column(mm, p)).collect(),
-            );
-            blocks.push(Block { effect: effect.id.clone(), shape: effect.shape.clone(), first, columns });
-            blocks.len() - 1
-        });
-        let first = blocks[block].first;
-        values.extend(
-            parameters.enumerate().map(|(k, (j, p))| (first + k, found.solution[j] * p.unit.per_inside)),
-        );
+impl Placed {
+    /// What the effects of a fit do to every reading, to first order, mm.
+    fn motion_mm(&mut self, fit: &Fit) -> DVector<f64> {
+        let (found, experiment) = (fit.identification(), fit.experiment().points());
+        let mut motion_mm = DVector::zeros(experiment.rows());
+        for (entry, effect) in fit.model().entries().effects.iter().zip(&found.effects) {
+            let is_known =
+                |(id, shape, _): &(String, Vec<f64>, _)| *id == effect.id && *shape == effect.shape;
+            let place = self.known.iter().position(is_known).unwrap_or_else(|| {
+                // The fit placed the same entry: it can be made.
+                let columns = Instance::from_model_effect(entry, fit.experiment().machine()).map_or_else(
+                    |_| DMatrix::zeros(experiment.rows(), 0),
+                    |instance| experiment.columns(&instance, &effect.shape),
+                );
+                self.known.push((effect.id.clone(), effect.shape.clone(), columns));
+                self.known.len() - 1
+            });
+            let of_effect = found.parameters.iter().zip(found.solution.iter());
+            let values = of_effect.filter(|(p, _)| p.effect == effect.id).map(|(_, value)| value);
+            for (column, value) in self.known[place].2.column_iter().zip(values) {
+                motion_mm.axpy(*value, &column, 1.0);
+            }
+        }
+        motion_mm
     }
-    values
-}
-
-/// Rounded to `DIGITS` digits.
-fn short(value: f64) -> f64 {
-    if value == 0.0 || !value.is_finite() {
-        return 0.0;
-    }
-    let scale = 10_f64.powf(DIGITS - 1.0 - value.abs().log10().floor());
-    (value * scale).round() / scale
 }

@@ -1,4 +1,4 @@
-//! What-if by a matrix product shows the figures of the fits.
+//! What-if to first order shows the figures of the fits.
 
 use std::path::PathBuf;
 use trunnion::results::{Linear, LinearSolution};
@@ -9,13 +9,10 @@ fn open(folder: &str) -> trunnion::Experiment {
     trunnion::open(data.join(folder).join("points.csv")).unwrap()
 }
 
-/// Root mean square of the residual with the values of a solution, as a page computes it.
+/// Root mean square of the residual of a solution, as a page computes it.
 fn rms_um(linear: &Linear, solution: &LinearSolution) -> f64 {
     let mut residual = linear.residual_um.clone();
-    let changes = solution.values.iter().zip(&linear.solutions[0].values);
-    for (column, (now, model)) in linear.columns.iter().zip(changes) {
-        residual.iter_mut().zip(&column.values).for_each(|(r, per_unit)| *r -= per_unit * (now - model));
-    }
+    residual.iter_mut().zip(&solution.change_um).for_each(|(r, change)| *r -= change);
     let mut row = 0;
     let (mut sum, mut count) = (0.0, 0);
     for (i, point) in linear.points.iter().enumerate() {

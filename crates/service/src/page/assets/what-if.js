@@ -1,4 +1,4 @@
-// Effects on and off: the residual is the measured one less columns · (values chosen − values of the model).
+// Effects on and off: the residual is that of the model less what each set chosen takes off it.
 
 import * as calls from "./calls.js";
 import { el, fold, notice, plain } from "./dom.js";
@@ -65,15 +65,7 @@ function choices(title, items, update) {
 
 function prepare(linear) {
   const [model, ...changes] = linear.solutions;
-  // One matrix product for each change; switching is then a sum.
-  const deltas = changes.map(({ values }) => {
-    const delta = new Float64Array(linear.residual_um.length);
-    linear.columns.forEach((column, k) => {
-      const change = values[k] - model.values[k];
-      if (change) for (let row = 0; row < delta.length; row++) delta[row] += column.values[row] * change;
-    });
-    return delta;
-  });
+  const deltas = changes.map(({ change_um }) => Float64Array.from(change_um));
   const rotary = linear.axes.map((axis, i) => ({ ...axis, i })).filter((axis) => axis.rotary);
   const way = (point) => rotary.map(({ name, i }) => (point.direction[i] > 0 ? `${name} forward` : point.direction[i] < 0 ? `${name} back` : null)).filter(Boolean).join(", ") || "no direction";
   const directions = [...new Set(linear.points.map(way))];
