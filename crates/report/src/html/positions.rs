@@ -9,6 +9,8 @@ use trunnion_results::{ResidualPoint, Residuals, ShiftedPlace};
 
 /// The largest deviation is drawn at about this share of the size of the picture.
 const DRAWN_SHARE: f64 = 0.25;
+/// Places of a picture beyond which every n-th is drawn: one every 5° once round, whose circles still lie apart.
+const MOST_DRAWN: usize = 72;
 
 pub fn section(residuals: &Residuals) -> String {
     let axes = Axes::of(residuals);
@@ -29,8 +31,15 @@ pub fn section(residuals: &Residuals) -> String {
     let (across, up) = plane_across(axes.tilting);
     let mut pictures = String::new();
     let magnification = magnification(&shown);
+    let mut most_places = 0;
     for tilt in [upright, worst].into_iter().flatten() {
-        let here: Vec<_> = shown.iter().filter(|p| at(p, tilt)).collect();
+        let mut here: Vec<_> = shown.iter().filter(|p| at(p, tilt)).collect();
+        most_places = most_places.max(here.len());
+        if every(here.len()) > 1 {
+            // Evenly around.
+            here.sort_by(|a, b| a.position[turning.index].total_cmp(&b.position[turning.index]));
+        }
+        let here: Vec<_> = here.iter().step_by(every(here.len())).collect();
         let place = axes
             .tilting
             .map_or(String::new(), |axis| format!(" at {} = {}", axis.name, degrees(rad_from_deg(tilt))));
@@ -43,9 +52,13 @@ pub fn section(residuals: &Residuals) -> String {
         pictures += &displaced(&title, &title, ("across", "up"), &table.collect::<Vec<_>>());
     }
     let name = &residuals.setups[setup].name;
+    let left_out = match every(most_places) {
+        1 => String::new(),
+        every => format!(" Of {most_places} places around {}, one in {every} is drawn.", turning.name),
+    };
     let words = format!(
         "Setup {name}, {} forward. Dot: commanded place. Circle: measured. Cross: predicted. The orange line from cross \
-         to circle is what the model misses. Deviations are magnified {} times.",
+         to circle is what the model misses. Deviations are magnified {} times.{left_out}",
         turning.name,
         thousands(magnification)
     );
@@ -54,6 +67,11 @@ pub fn section(residuals: &Residuals) -> String {
          <div class=\"plots\">{pictures}</div></section>\n",
         escape(&words)
     )
+}
+
+/// Of so many places every n-th is drawn.
+fn every(places: usize) -> usize {
+    places.div_ceil(MOST_DRAWN).max(1)
 }
 
 /// The plane in which the tilting axis turns.
