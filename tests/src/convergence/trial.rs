@@ -240,6 +240,15 @@ fn run(cycle: &Cycle, machine: &Machine, virtual_machine: &VirtualMachine, state
 
 /// Scatter changes neither what is observable nor any number beyond its uncertainty, and both fits are as good as the noise.
 fn compare(exact: &Identification, recorded: &Identification, fail: &mut dyn FnMut(&'static str, String)) {
+    let names = |fit: &Identification| {
+        fit.parameters.iter().map(|p| (p.effect.clone(), p.name.clone())).collect::<Vec<_>>()
+    };
+    if names(exact) != names(recorded) {
+        return fail(
+            "parameters",
+            format!("{} became {}", exact.parameters.len(), recorded.parameters.len()),
+        );
+    }
     let numbers =
         |fit: &Identification| fit.parameters.iter().filter(|p| p.status == Status::Identified).count();
     if numbers(exact) == 0 {
