@@ -4,8 +4,8 @@
 //! limit, both as far as the jitter of the stamps lets them be known (`pace`). Samples are averaged down to a target
 //! rate; an average never crosses a change of direction or feed, a missing value, or a hole. Readings and positions are averaged in one
 //! frame, as departures from the course (`course`). The passes of the cycle (setups, feeds, directions, rounds) are followed in
-//! their order. Every sample that was taken inside the span while the machine moved counts as used or excluded, with the
-//! reason. Pure, like the static cycle.
+//! their order. Every sample of a pass that was taken inside the span counts as used or excluded, with the
+//! reason; those on the way to a pass do not. Pure, like the static cycle.
 
 mod counts;
 mod course;
@@ -13,6 +13,7 @@ mod feed;
 mod pace;
 mod passes;
 mod rules;
+mod stretch;
 
 pub use counts::SampleCounts;
 pub use course::Course;
@@ -27,13 +28,13 @@ use course::nearest_turn;
 use nalgebra::Vector3;
 use pace::Pace;
 use passes::Passes;
+use rules::GOES_ON_RAD;
 use std::collections::VecDeque;
+use stretch::Stretch;
 use trunnion_core::{AxisValues, Joint, Point, Quality};
 
 /// Longest travel that is averaged, in units of blocks (1°): 60 waves a turn lose 1 % by it.
 const LONGEST_UNITS: f64 = 0.5;
-/// A pass that goes on after a hold does so from where it was, rad; also the share of its end that a pass may lack.
-const GOES_ON_RAD: f64 = 0.17;
 
 /// The state machine.
 #[derive(Clone, Debug)]
@@ -49,6 +50,7 @@ pub struct SweepCycle {
     block_pass: usize,
     passes: Passes,
     counts: SampleCounts,
+    stretch: Stretch,
     /// On a curve: turns added to the angle, and feed, angle and time of the last sample at a feed.
     turns_rad: f64,
     last_at_feed: Option<(f64, f64, f64)>,
@@ -82,6 +84,7 @@ impl SweepCycle {
             block: Vec::new(),
             block_pass: 0,
             counts: SampleCounts::default(),
+            stretch: Stretch::default(),
             turns_rad: 0.0,
             last_at_feed: None,
         }
@@ -119,6 +122,7 @@ impl SweepCycle {
         for (state, channels_mm) in std::mem::take(&mut self.waiting) {
             out.extend(self.take(state, channels_mm));
         }
+        self.counts.other_speed += self.stretch.end(&self.rules);
         out.extend(self.close());
     }
 
@@ -138,12 +142,11 @@ impl SweepCycle {
         let Some(motion) = self.pace.motion(state.time_s) else { return self.close() };
         (state.velocity, state.acceleration) = (motion.velocity, motion.acceleration);
         let angle = motion.angle;
-        let Some(feed) = self.rules.feed_of(&motion) else {
-            if self.rules.is_asked(&motion) && self.rules.holds(angle + self.turns_rad) {
-                self.counts.other_speed += 1;
-            }
-            return self.close();
-        };
+        let feed = self.rules.feed_of(&motion);
+        let way = if self.rules.is_asked(&motion) { motion.pace.0.signum() } else { 0.0 };
+        let here = angle + self.turns_rad;
+        self.counts.other_speed += self.stretch.take(&self.rules, (way, here), feed.is_some());
+        let Some(feed) = feed else { return self.close() };
         let angle = self.on_course(feed, angle, state.time_s);
         if !self.rules.holds(angle) {
             return self.close();

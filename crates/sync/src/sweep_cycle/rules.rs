@@ -8,6 +8,8 @@ use trunnion_cycles::cycle::{self, Sweep};
 const SURE: f64 = 3.0;
 /// Slower than this part of the slowest feed is standing.
 const STANDING: f64 = 0.05;
+/// A pass that goes on after a hold does so from where it was, rad; also the share of its end that a pass may lack.
+pub(super) const GOES_ON_RAD: f64 = 0.17;
 
 /// Rules of a cycle on the fly.
 #[derive(Clone, Debug, PartialEq)]

@@ -41,11 +41,20 @@ fn motion(cycle: &Cycle) -> Vec<f64> {
 
 /// What the alignment gives: probes every ms, axes every 8 ms with stamps that jitter (rms). The probes read 1 + angle/1000, 0, 1.
 fn aligned(cycle: &Cycle, jitter_s: f64, spoil: impl Fn(usize, &mut f64)) -> Vec<Aligned> {
+    aligned_along(cycle, motion(cycle), jitter_s, spoil)
+}
+
+fn aligned_along(
+    cycle: &Cycle,
+    angles: Vec<f64>,
+    jitter_s: f64,
+    spoil: impl Fn(usize, &mut f64),
+) -> Vec<Aligned> {
     let mut aligner = Aligner::new(&[0, 1, 2], AlignLimits::default());
     let (machine, mut steps) = (machine(), Vec::new());
     // A sequence without runs, evenly from −√3 to √3.
     let mut unit = 0.5_f64;
-    for (k, angle) in motion(cycle).into_iter().enumerate() {
+    for (k, angle) in angles.into_iter().enumerate() {
         let time_s = k as f64 * 1e-3;
         if k % 8 == 0 {
             unit = (unit + 0.618_033_988_749_895).fract();
@@ -111,6 +120,34 @@ fn a_fast_turn_far_out_stays_on_its_circle_however_the_stamps_jitter() {
         let measured_s = sweep.counts().jitter_s().unwrap();
         assert!((measured_s - jitter_s).abs() < 0.1e-3, "{measured_s} s for {jitter_s} s");
     }
+}
+
+/// From where the axis stood to the first pass and back there again leads through the span, at no feed of the cycle.
+#[test]
+fn the_way_to_a_pass_and_home_from_it_are_not_asked_for() {
+    let cycle = cycle(&[1800.0]);
+    let passes = motion(&cycle);
+    let (first, last) = (passes[0], passes[passes.len() - 1]);
+    // A second each, as a controller speeds up and slows down.
+    let way = |from: f64, to: f64| {
+        let share = |k: u32| 0.5 - 0.5 * (std::f64::consts::PI * f64::from(k) * 1e-3).cos();
+        (0..1000).map(move |k| from + (to - from) * share(k))
+    };
+    let stood = 60f64.to_radians();
+    let angles = way(stood, first).chain(passes.iter().copied()).chain(way(last, stood)).collect();
+    let (sweep, points) = swept(&cycle, &aligned_along(&cycle, angles, 0.0, |_, _| {}));
+    let (of_passes, _) = swept(&cycle, &aligned(&cycle, 0.0, |_, _| {}));
+    assert!(sweep.counts().share_used().unwrap() > 0.99, "{:?}", sweep.counts());
+    assert!(sweep.counts().used.abs_diff(of_passes.counts().used) <= 2 && !points.is_empty());
+}
+
+/// With the override at 80 % no sample is at the feed: nothing is used, and every sample of the passes is counted.
+#[test]
+fn a_pass_at_another_speed_is_counted() {
+    let (cycle, slower) = (cycle(&[1800.0]), cycle(&[1440.0]));
+    let (sweep, points) = swept(&cycle, &aligned_along(&cycle, motion(&slower), 0.0, |_, _| {}));
+    // 120° at 24°/s, both ways, every ms.
+    assert!(points.is_empty() && sweep.counts().other_speed.abs_diff(10_000) < 100, "{:?}", sweep.counts());
 }
 
 #[test]
