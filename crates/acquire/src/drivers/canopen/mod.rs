@@ -5,7 +5,7 @@
 //! their device clock: µs from the start of the session to the SYNC, as well as the transport knows it.
 //!
 //! Shared keys: `sync_ms` (5) and `nodes`, each with `id`, `role`, and optionally `serial` (1018h:04), which must then
-//! match.
+//! match, and for a bar `zero_mm`, what its encoder shows at the length of the bar (0).
 
 mod bus;
 mod description;
@@ -49,12 +49,14 @@ impl Network {
             let role = Role::read(node);
             let serial =
                 node.optional_number("serial", 0.0..=f64::from(u32::MAX)).map(|serial| serial as u32);
+            let is_bar = role == Some(Role::Bar);
+            let zero_mm = is_bar.then(|| node.optional_number("zero_mm", -1000.0..=1000.0)).flatten();
             node.no_other_keys();
             let (Some(id), Some(role)) = (id, role) else { continue };
             if nodes.iter().any(|other| other.id == id) {
                 node.problem("id", format!("= {} appears twice", id.get()), "each node once", "");
             }
-            nodes.push(NodeConfig { id, role, serial });
+            nodes.push(NodeConfig { id, role, serial, zero_mm: zero_mm.unwrap_or(0.0) });
         }
         if tables.is_empty() {
             table.problem("nodes", "has no entry", "[{ id = 1, role = \"probe-1\" }, …]", "");
