@@ -69,7 +69,8 @@ async fn measure(
     (cycle_text, count): (&str, usize),
 ) -> Option<Vec<PathBuf>> {
     let cycle = Cycle::parse("c.toml", cycle_text).expect("the cycle is good");
-    let machine = shipped::machine("table-bc").expect("it is shipped");
+    let machine = shipped::machine(&cycle.machine).expect("it is shipped");
+    let machine_text = shipped::FILES.iter().find(|(name, _)| *name == cycle.machine).map(|(_, text)| *text);
     let clock: Arc<dyn Clock> = Arc::new(SystemClock::start());
     if let Some((agent, _)) = &mut floor.controller {
         agent.filters_duplicates = false;
@@ -84,9 +85,11 @@ async fn measure(
         Some(_) => bar(folder, &agent),
     };
     let config = Config::parse(&folder.join("trunnion.toml"), &text).expect("the configuration is good");
+    let base = Model::base(&cycle.machine);
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
-    let texts = Texts { machine: shipped::FILES[0].1.into(), cycle: cycle_text.into(), config: text };
-    let cycles = Cycles::one(plan, texts, Model::base("table-bc").into()).expect("it can be measured");
+    let texts =
+        Texts { machine: machine_text.unwrap_or_default().into(), cycle: cycle_text.into(), config: text };
+    let cycles = Cycles::one(plan, texts, base.into()).expect("it can be measured");
     let runs = config.recordings.clone();
     let cancel = CancellationToken::new();
     // Before its time 0 the floor is silent, and the supervisor would try again at longer and longer intervals.
@@ -105,7 +108,7 @@ fn bar(ports: &Path, controller: &str) -> String {
     format!(
         "format = \"trunnion-config/1\"\nname = \"m\"\ncycle = \"c.toml\"\nrecordings = \"runs\"\n\
          [[device]]\nname = \"bus\"\ndriver = \"canopen-slcan\"\nport = '{}/can'\nbitrate = 1000000\n\
-         sync_ms = 5\nnodes = [{{ id = 5, role = \"bar\" }}]\nsilence_ms = {}\n{controller}",
+         sync_ms = 5\nnodes = [{{ id = 5, role = \"bar\", zero_mm = 10 }}]\nsilence_ms = {}\n{controller}",
         ports.display(),
         trunnion_tests::SILENCE_MS
     )
