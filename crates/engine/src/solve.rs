@@ -7,3 +7,4 @@ pub(crate) mod golden_section;
 pub mod linear;
 pub(crate) mod normal;
 pub mod null_space;
+pub(crate) mod unseen;

@@ -83,8 +83,10 @@ impl SideBySide {
         let of_base = |&j: &usize| {
             matches!(self.effects[self.effect_of[j]].instance.role(), Role::Location | Role::Setting)
         };
-        let (base, added) = self.free().into_iter().partition(of_base);
-        Free { base, added }
+        let (base, added): (Vec<usize>, Vec<usize>) = self.free().into_iter().partition(of_base);
+        let is_setting = |j: &usize| self.effects[self.effect_of[*j]].instance.role() == Role::Setting;
+        let settings = base.iter().copied().filter(is_setting).collect();
+        Free { base, settings, added }
     }
 
     /// All columns in the rows of `points`, mm per unit.

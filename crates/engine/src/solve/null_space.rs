@@ -18,6 +18,7 @@
 use crate::solve::direction::{Named, Status, Unobservable};
 use crate::solve::echelon::echelon;
 use crate::solve::linear::Reduced;
+use crate::solve::unseen::unseen;
 use nalgebra::{DMatrix, RowDVector};
 use trunnion_effects::{Parameter, Unit};
 
@@ -76,6 +77,8 @@ pub(crate) enum Share {
 pub(crate) struct Free {
     /// Of location errors and settings.
     pub base: Vec<usize>,
+    /// Those of them that are settings.
+    pub settings: Vec<usize>,
     /// Of all other effects.
     pub added: Vec<usize>,
 }
@@ -93,6 +96,11 @@ pub(crate) struct Limits<'a> {
     /// Those that a direction moves, at least: the rows of one setup.
     pub rows_moved: f64,
 }
+
+/// Of an error of a machine: generous, for only its order against others counts.
+const USUAL_MM: f64 = 1.0;
+/// Of a setting, a dead path of metres or a form of micrometres: pivot where there is nothing else, by its share.
+const ANY_SIZE: f64 = 1e-9;
 
 /// The length that one unit of a parameter stands for, mm.
 fn length_mm(parameter: &Parameter) -> f64 {
@@ -154,7 +162,7 @@ pub(crate) fn datum(
         directions: Vec::new(),
         rank: 0,
     };
-    let mut work = Work { reduced, parameters, limits, datum: fixed };
+    let mut work = Work { reduced, parameters, limits, settings: &free.settings, datum: fixed };
     let base = work.those_with_effect(&free.base);
     work.fix(base, Pivots::Zeros(zeros));
     let added = work.those_with_effect(&free.added);
@@ -175,6 +183,7 @@ struct Work<'a> {
     reduced: &'a Reduced,
     parameters: &'a [Parameter],
     limits: &'a Limits<'a>,
+    settings: &'a [usize],
     datum: Datum,
 }
 
@@ -194,6 +203,16 @@ impl Work<'_> {
         with
     }
 
+    /// How many times its usual size a parameter is for its share in a direction: the pivot is what a zero suits best.
+    fn count(&self, j: usize) -> f64 {
+        let usual = match self.parameters[j].u_beforehand {
+            Some(u) => u,
+            None if self.settings.contains(&j) => return ANY_SIZE,
+            None => USUAL_MM / length_mm(&self.parameters[j]),
+        };
+        self.reduced.scale[j] / usual
+    }
+
     /// Holds a pivot of each null direction of the columns `of` at zero; the rest is determined.
     fn fix(&mut self, of: Vec<usize>, pivots: Pivots<'_>) {
         if of.is_empty() {
@@ -211,14 +230,15 @@ impl Work<'_> {
             Pivots::Added(added) => first = added.iter().filter_map(|&j| place(j)).collect(),
         }
         self.datum.rank = of.len() - vectors.nrows();
-        let counts: Vec<f64> =
-            of.iter().map(|&j| self.reduced.scale[j] * length_mm(&self.parameters[j])).collect();
+        let scale = |j: usize| self.reduced.scale[j];
+        let lengths_mm: Vec<f64> = of.iter().map(|&j| scale(j) * length_mm(&self.parameters[j])).collect();
+        let counts: Vec<f64> = of.iter().map(|&j| self.count(j)).collect();
         let noise_mm = self.limits.noise_mm();
         let least_shares = |row: &RowDVector<f64>| {
             let off_mm =
                 CHANCE * (row * &off * row.transpose())[0].max(0.0).sqrt() / self.limits.rows_moved.sqrt();
             let longest_mm =
-                row.iter().zip(&counts).map(|(share, count)| share.abs() * count).fold(0.0, f64::max);
+                row.iter().zip(&lengths_mm).map(|(share, length)| share.abs() * length).fold(0.0, f64::max);
             let unfelt_mm = noise_mm * longest_mm / FARTHEST_MM;
             root_cofactor.iter().map(|root| (root * off_mm.max(unfelt_mm)).max(least)).collect()
         };
@@ -286,22 +306,6 @@ fn null(reduced: &Reduced, of: &[usize], limits: &Limits<'_>) -> Null {
     let least = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
     let root_cofactor = |j: usize| seen.iter().map(|&i| (v_t[(i, j)] / sigma[i]).powi(2)).sum::<f64>().sqrt();
     Null { vectors, weak, off, least, root_cofactor: (0..of.len()).map(root_cofactor).collect() }
-}
-
-/// Orthonormal rows v with ‖R v‖² ≤ vᵀ (ΔAᵀΔA + ε²) v: with ΔAᵀΔA + ε² = T⁻ᵀ T⁻¹ the v = T w, w the right singular vectors of R T whose
-/// singular values are at most 1.
-fn unseen(triangle: &DMatrix<f64>, off: DMatrix<f64>, floor: f64) -> DMatrix<f64> {
-    let width = triangle.ncols();
-    let eigen = off.symmetric_eigen();
-    let little =
-        eigen.eigenvalues.map(|square| (square.max(0.0) + floor * floor).max(f64::MIN_POSITIVE).sqrt());
-    let scaled = eigen.eigenvectors * DMatrix::from_diagonal(&little.map(f64::recip));
-    let (gamma, w_t) = Reduced::singular_of(triangle * &scaled);
-    let below: Vec<usize> = (0..gamma.len()).filter(|&i| gamma[i] <= 1.0).collect();
-    if below.is_empty() {
-        return DMatrix::zeros(0, width);
-    }
-    (scaled * w_t.select_rows(&below).transpose()).qr().q().transpose()
 }
 
 /// The direction in words.
