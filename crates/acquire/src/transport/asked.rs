@@ -129,6 +129,9 @@ mod tests {
     /// The answer of a device that says this without being asked, byte by byte, and answers what it is asked behind it.
     async fn answer(stale: String, is_owing: bool) -> Option<String> {
         let (mut device, line) = SerialStream::pair().unwrap();
+        // Of a second line, where there is one: what comes as a whole after the request is an answer.
+        let part = stale.len().min(12);
+        let (sent, mut is_sent) = tokio::sync::watch::channel(0);
         let device = tokio::spawn(async move {
             let mut ticks = tokio::time::interval(BYTE);
             let mut request = [0; 8];
@@ -138,7 +141,10 @@ mod tests {
                 tokio::select! {
                     asked = device.read(&mut request) => is_asked |= asked.is_ok(),
                     _ = ticks.tick() => match stale.next() {
-                        Some(byte) => device.write_all(byte).await.unwrap(),
+                        Some(byte) => {
+                            device.write_all(byte).await.unwrap();
+                            sent.send_modify(|bytes| *bytes += 1);
+                        }
                         None if std::mem::take(&mut is_asked) => {
                             device.write_all(format!("{ANSWER}\r").as_bytes()).await.unwrap();
                         }
@@ -151,7 +157,7 @@ mod tests {
         port.set_owing(is_owing);
         let link = probe::link(LIMIT);
         // A part of it is there.
-        tokio::time::timeout(10 * BYTE, std::future::pending::<()>()).await.unwrap_err();
+        tokio::time::timeout(10 * LIMIT, is_sent.wait_for(|bytes| *bytes >= part)).await.unwrap().unwrap();
         let exchange = exchange(&mut port, &link, b"R", LIMIT, &mut Lines::default()).await.unwrap();
         device.abort();
         exchange.answer
