@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use trunnion_core::axis::iso::{A, C};
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Setup, State};
 use trunnion_cycles::{Run, RunKind};
+use trunnion_engine::Diagnosis;
 use trunnion_machine::{Machine, shipped};
 use trunnion_record::points_csv::import_files;
 
@@ -22,6 +23,13 @@ pub fn points_run(folder: &str) -> Run {
     let (points, setup) = (text("points.csv"), text("setup.toml"));
     import_files(folder, ("points.csv", &points), ("setup.toml", &setup), &shipped::machine)
         .expect("good files")
+}
+
+/// Effects that together explain what is left.
+pub fn set(diagnosis: &Diagnosis) -> Vec<&str> {
+    let mut ids: Vec<&str> = diagnosis.set.iter().map(|entry| entry.id.as_str()).collect();
+    ids.sort_unstable();
+    ids
 }
 
 pub fn point(state: State, reading_mm: [f64; 3]) -> Point {

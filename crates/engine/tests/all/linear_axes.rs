@@ -1,7 +1,7 @@
 //! Geometry of the linear axes in a rotary cycle: every machine has some of all of it, so several names are the plain answer where an expression
 //! of two components may fit as well.
 
-use crate::common::points_run;
+use crate::common::{points_run, set};
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -38,19 +38,13 @@ fn drawn(rng: &mut ChaCha8Rng) -> [f64; 3] {
     std::array::from_fn(|_| rng.random_range(12.0..40.0) * if rng.random_bool(0.5) { 1.0 } else { -1.0 })
 }
 
-fn names(found: &Diagnosis) -> Vec<&str> {
-    let mut names: Vec<&str> = found.set.iter().map(|entry| entry.id.as_str()).collect();
-    names.sort_unstable();
-    names
-}
-
 #[test]
 fn three_squarenesses_have_their_names_and_angles() {
     for seed in 1..=4 {
         let angles_urad = drawn(&mut ChaCha8Rng::seed_from_u64(seed));
         let found = with_axes(angles_urad, [0.0; 3]);
         assert_eq!(found.verdict, Verdict::MissingEffect, "{angles_urad:?}: {}", found.why);
-        assert_eq!(names(&found), ["squareness:YX", "squareness:ZX", "squareness:ZY"], "{angles_urad:?}");
+        assert_eq!(set(&found), ["squareness:YX", "squareness:ZX", "squareness:ZY"], "{angles_urad:?}");
         let together = found.together.expect("three effects");
         assert!(together.adequate, "{angles_urad:?}: {}", found.why);
         for (name, put_in) in ["EC0Y", "EB0Z", "EA0Z"].into_iter().zip(angles_urad) {
@@ -61,7 +55,7 @@ fn three_squarenesses_have_their_names_and_angles() {
     }
 }
 
-/// The scale that all axes share is the size of the ball: five of the six can be told. A diagnosis looks ahead as far as four.
+/// The scale that all axes share is the size of the ball: five of the six can be separated. A diagnosis looks ahead as far as four.
 #[test]
 fn squarenesses_and_scales_together_have_names() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
@@ -69,6 +63,6 @@ fn squarenesses_and_scales_together_have_names() {
     let found = with_axes(angles_urad, scales_um_per_m);
     let of_linear = |id: &&str| id.starts_with("squareness:") || id.starts_with("linear-scale:");
     assert_eq!(found.verdict, Verdict::MissingEffect, "{}", found.why);
-    assert!(names(&found).iter().all(of_linear), "{:?}", names(&found));
+    assert!(set(&found).iter().all(of_linear), "{:?}", set(&found));
     assert_eq!(found.set.len(), Options::default().look_ahead);
 }

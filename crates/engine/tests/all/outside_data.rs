@@ -1,6 +1,6 @@
 //! Acceptance on points that another simulator made (tests/data/PROVENANCE.md).
 
-use crate::common::points_run;
+use crate::common::{points_run, set};
 use std::f64::consts::LN_10;
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_engine::diagnosis::Options;
@@ -22,13 +22,6 @@ fn where_nothing_is_hidden_nothing_is_claimed() {
     assert_eq!(diagnosis.verdict, Verdict::NoiseFloor);
     assert!(diagnosis.candidates.is_empty());
     assert!(diagnosis.formula.is_none());
-}
-
-/// Effects that together explain what is left.
-fn set(diagnosis: &Diagnosis) -> Vec<&str> {
-    let mut ids: Vec<&str> = diagnosis.set.iter().map(|entry| entry.id.as_str()).collect();
-    ids.sort_unstable();
-    ids
 }
 
 #[test]
