@@ -77,7 +77,9 @@ async fn ball_bar_cycles_behind_an_slcan_adapter_end_in_the_values_of_the_machin
         "| cycle | at | samples sent | used | points | formed − true (rms) | values of the machine | worst |\n|---|---|---|---|---|---|---|---|\n",
     );
     let only = std::env::var("TRUNNION_BAR_CYCLES").unwrap_or_default();
-    for case in CASES.iter().filter(|case| case.cycle.contains(&only)) {
+    let chosen: Vec<&Case> = CASES.iter().filter(|case| case.cycle.contains(&only)).collect();
+    assert!(!chosen.is_empty(), "TRUNNION_BAR_CYCLES = {only}: no such cycle");
+    for case in chosen {
         table += &row(case).await;
     }
     println!("{table}");

@@ -178,7 +178,7 @@ impl Context<'_> {
             |group: usize| self.found.first.iter().find(|scored| scored.item.what == What::Named(group));
         let mut kept: Vec<(usize, Item)> = Vec::new();
         for item in &self.found.items {
-            if let What::Named(group) = item.what {
+            if let Some(group) = item.what.group() {
                 // Against the present model, or with the other kept ones in it where they hide it.
                 let alone = first(group).map_or(f64::NEG_INFINITY, |scored| scored.item.ln_odds);
                 kept.push((group, Item { ln_odds: alone.max(item.ln_odds), ..item.clone() }));
@@ -190,10 +190,8 @@ impl Context<'_> {
         let is_kept = |group: usize| kept.iter().any(|(kept, _)| *kept == group);
         let rest = self.found.first.iter().filter(|scored| scored.item.ln_odds > self.options.claim_ln);
         let rest: Vec<(usize, Item)> = rest
-            .filter_map(|scored| match scored.item.what {
-                What::Named(group) if !is_kept(group) => Some((group, scored.item.clone())),
-                _ => None,
-            })
+            .filter_map(|scored| Some((scored.item.what.group()?, scored.item.clone())))
+            .filter(|(group, _)| !is_kept(*group))
             .collect();
         kept.into_iter().chain(rest).take(most).collect()
     }

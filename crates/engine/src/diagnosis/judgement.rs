@@ -1,8 +1,8 @@
 //! The verdict where nothing is claimed: an all-clear that is earned, or that these data cannot say.
 //!
 //! An all-clear needs repeats that show the repeatability, a residual and a held-out error no larger than they allow, no pattern that comes
-//! back and is larger than the repeatability of a single reading, and no effect that has anything to say for it. It states the size of effect that would have
-//! been noticed.
+//! back and is larger than the repeatability of a single reading, and no effect that has anything to say for it. It states the size of
+//! effect that would have been noticed.
 
 use crate::diagnosis::judged::{LearnedNoise, Verdict};
 use crate::diagnosis::named::{BARE_MENTION_LN, price_ln};

@@ -98,10 +98,7 @@ impl<'a> Kept<'a> {
 
     /// Named effects that were found.
     fn names(&self) -> impl Iterator<Item = usize> {
-        self.found.items.iter().filter_map(|item| match item.what {
-            What::Named(group) => Some(group),
-            What::Open(_) => None,
-        })
+        self.found.items.iter().filter_map(|item| item.what.group())
     }
 
     /// What was found, each with its own fit.

@@ -7,7 +7,7 @@ use crate::diagnosis::expressions::best_term;
 use crate::diagnosis::named::{first_named, named, price_ln};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
-use crate::diagnosis::view::{View, What};
+use crate::diagnosis::view::View;
 use crate::diagnosis::views::{Seen, Views};
 use crate::evidence::joined;
 use crate::noise::learned::sigma::Sigma;
@@ -23,8 +23,7 @@ const SAME_FIT_LN: f64 = 3.0;
 const MOSTLY: f64 = 0.6;
 /// Named effects that are tried as the first of several.
 const FIRST_OF_SEVERAL: usize = 2;
-/// Named effects that may follow a first one or a term: with the first as many as two directions each of three axes, which is what squarenesses and
-/// scales of three linear axes are.
+/// Named effects that may follow a first one or a term. With the first they are six: squarenesses and scales of three linear axes.
 const MOST_FOLLOWING: usize = 5;
 /// Of those that could come next in a row, by what they say at the learned noise and in a quiet one, so many have the noise learned with them.
 const MOST_AT_ONCE: [usize; 2] = [1, 1];
@@ -69,10 +68,7 @@ fn best(
 
 /// ln odds on the grid that a term must come near to be looked at, at the learned and at the quiet noise: those of the best named effect.
 fn beat(scan: &Scan<'_>, view: &View, best: Option<&Scored>, claim_ln: f64) -> [f64; 2] {
-    let group = best.and_then(|best| match best.item.what {
-        What::Named(group) if best.item.ln_odds > claim_ln => Some(group),
-        _ => None,
-    });
+    let group = best.filter(|best| best.item.ln_odds > claim_ln).and_then(|best| best.item.what.group());
     group.map_or([claim_ln; 2], |group| {
         let score = &view.named[group];
         [score.ln_bf, score.quiet_ln_bf].map(|ln_bf| (ln_bf - price_ln(scan, group)).max(claim_ln))
@@ -84,8 +80,8 @@ fn is_natural(named: &[Scored], term: &Scored) -> bool {
     named.iter().any(|scored| !scored.noticeable && scored.fit_ln > MOSTLY * term.fit_ln)
 }
 
-/// The first of several named effects that together beat the term and whatever named goes best with it: the catalogue is left for an expression only
-/// where all of one explanation clearly leads all of the other. Three squarenesses are no expression because two of them share a coordinate.
+/// The first of a row of named effects that the term, with whatever named follows it, does not clearly lead. Three squarenesses are no expression
+/// because two of them share a coordinate.
 fn several_do_better(
     scan: &Scan<'_>,
     views: &Views,
@@ -104,8 +100,8 @@ fn several_do_better(
         first.item.ln_odds + following_ln(scan, views, start, claim_ln, enough_ln - first.item.ln_odds)
     };
     let enough_ln = all_ln(term, f64::INFINITY) - CLEAR_LEAD_LN;
-    let candidates = named.iter().filter(|scored| scored.noticeable).take(FIRST_OF_SEVERAL);
-    candidates.into_iter().find(|first| all_ln(first, enough_ln) > enough_ln).cloned()
+    let mut candidates = named.iter().filter(|scored| scored.noticeable).take(FIRST_OF_SEVERAL);
+    candidates.find(|first| all_ln(first, enough_ln) > enough_ln).cloned()
 }
 
 /// Where a row of named effects begins.

@@ -19,7 +19,7 @@ const SEEN: f64 = 1e-3;
 
 /// Groups that are confused with one of the items found, most likely first.
 pub fn confused_with(scan: &Scan<'_>, found: &Found, item: &Item, claim_ln: f64) -> Vec<usize> {
-    let What::Named(group) = item.what else { return Vec::new() };
+    let Some(group) = item.what.group() else { return Vec::new() };
     let kept = |g: &usize| found.items.iter().any(|other| other.what == What::Named(*g));
     let others = found.items.iter().filter(|other| other.what != item.what);
     let chosen = joined(&columns_of(others, scan.remainder.y.len()), &found.further);
@@ -35,7 +35,7 @@ pub fn confused_with(scan: &Scan<'_>, found: &Found, item: &Item, claim_ln: f64)
     let mut confused: Vec<usize> = scored
         .iter()
         .filter(|scored| scored.ln_bf > own - CONFUSED_LN && scored.ln_bf > 0.0)
-        .filter_map(|scored| if let What::Named(g) = scored.item.what { Some(g) } else { None })
+        .filter_map(|scored| scored.item.what.group())
         .collect();
     confused.extend(imitators(scan, &view, item));
     let mut seen = vec![group];

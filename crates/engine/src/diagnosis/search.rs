@@ -161,7 +161,7 @@ impl State<'_> {
 
     /// One of the names, all others in the model: its best shape, then as many further ones as were found of it, each next to those before.
     fn next_to_others(&self, at: usize, view: &View) -> Option<NextToOthers> {
-        let What::Named(group) = self.items[at].what else { return None };
+        let group = self.items[at].what.group()?;
         let is_own = |item: &&Item| item.what == What::Named(group);
         let others = self.items.iter().chain(&self.further).filter(|item| !is_own(item));
         let mut chosen = columns_of(others, self.scan.remainder.y.len());
@@ -210,11 +210,7 @@ impl State<'_> {
     }
 
     fn taken(&self) -> Vec<usize> {
-        let named = |item: &Item| match item.what {
-            What::Named(group) => Some(group),
-            What::Open(_) => None,
-        };
-        self.items.iter().filter_map(named).collect()
+        self.items.iter().filter_map(|item| item.what.group()).collect()
     }
 
     fn is_further(&self, best: &Scored) -> bool {
@@ -243,10 +239,10 @@ impl State<'_> {
             let Some(view) = self.views.of(self.scan, chosen, &sigma) else { continue };
             let taken: Vec<usize> = (0..self.items.len())
                 .filter(|j| *j != i)
-                .filter_map(|j| if let What::Named(g) = self.items[j].what { Some(g) } else { None })
+                .filter_map(|j| self.items[j].what.group())
                 .chain(self.fallen.iter().map(|(group, _)| *group))
                 .collect();
-            let What::Named(group) = self.items[i].what else { continue };
+            let Some(group) = self.items[i].what.group() else { continue };
             let next = additions(self.scan, &self.views, &view, &taken, self.claim_ln);
             let Some(best) = next.best else { continue };
             if best.item.what == self.items[i].what {

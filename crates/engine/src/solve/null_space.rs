@@ -38,6 +38,10 @@ const CHANCE: f64 = 3.0;
 const FARTHEST_MM: f64 = 10.0;
 /// An angle counts as much as the length that it moves at this distance, mm: the reach of a machine.
 const REACH_MM: f64 = 1e3;
+/// Usual size of an error of a machine, generous: only its order against others counts.
+const USUAL_MM: f64 = 1.0;
+/// What a setting counts, a dead path of metres or a form of micrometres: it is the pivot where there is nothing else, by its share.
+const ANY_SIZE: f64 = 1e-9;
 
 /// How the null space is fixed.
 pub(crate) struct Datum {
@@ -97,16 +101,6 @@ pub(crate) struct Limits<'a> {
     pub rows_moved: f64,
 }
 
-/// Of an error of a machine: generous, for only its order against others counts.
-const USUAL_MM: f64 = 1.0;
-/// Of a setting, a dead path of metres or a form of micrometres: pivot where there is nothing else, by its share.
-const ANY_SIZE: f64 = 1e-9;
-
-/// The length that one unit of a parameter stands for, mm.
-fn length_mm(parameter: &Parameter) -> f64 {
-    if parameter.unit == Unit::URAD { REACH_MM } else { 1.0 }
-}
-
 impl Limits<'_> {
     /// The same for a residual standard deviation.
     pub fn with_noise(&self, sigma_mm: f64, rows: usize) -> Self {
@@ -139,6 +133,11 @@ impl Limits<'_> {
         let norm = reduced.triangle.column(j).norm() / reduced.scale[j];
         norm < faintest * (self.rows as f64).sqrt() || norm * norm <= self.off_nominal[(j, j)]
     }
+}
+
+/// The length that one unit of a parameter stands for, mm.
+fn length_mm(parameter: &Parameter) -> f64 {
+    if parameter.unit == Unit::URAD { REACH_MM } else { 1.0 }
 }
 
 /// A parameter that by convention is zero when it is confounded with others.

@@ -143,21 +143,20 @@ fn three_stations_and_stations_in_one_plane_are_refused() {
     check(run(&flat, 0.3, 1), "the 4 stations lie in one plane within u of their places");
 }
 
-/// Places of one station that did not see all: the others still count.
 /// What normal equations leave of a step where the stations hardly determine it is more than a nanometre and nothing against u.
 #[test]
-fn stations_near_a_plane_are_solved_or_refused_for_the_plane() {
+fn stations_hardly_off_a_plane_are_solved() {
     for (height_mm, seed) in
         [2.0, 5.0, 10.0, 20.0, 50.0].into_iter().flat_map(|height| [(height, 1), (height, 2)])
     {
         let mut stations = STATIONS;
         stations[3][2] = -120.0 + height_mm;
-        if let Err(error) = found(run(&stations, 0.3, seed)) {
-            assert!(error.to_string().contains("lie in one plane"), "{height_mm} mm, {seed}: {error}");
-        }
+        let solved = found(run(&stations, 0.3, seed));
+        assert!(solved.is_ok(), "{height_mm} mm, {seed}: {}", solved.unwrap_err());
     }
 }
 
+/// Places of one station that did not see all: the others still count.
 #[test]
 fn a_target_that_three_stations_saw_is_left_out_with_a_sentence() {
     let mut run = run(&STATIONS, 0.0, 1);
