@@ -65,16 +65,15 @@ impl Waves {
 
     /// What waves of this frequency explain.
     pub fn explained(&self, omega: f64) -> Explained {
-        self.moments.at(&[omega]).next().map_or_else(Explained::default, explained)
+        self.moments.at(omega).map_or_else(Explained::default, explained)
     }
 
     /// Frequencies of a band, and what each explains.
     pub fn scan(&self, band: &Band) -> Vec<(f64, Explained)> {
         let step = band.resolution() / OVERSAMPLING;
         let count = ((band.high() - band.low()) / step).floor() as usize;
-        let omegas: Vec<f64> = (0..=count).map(|k| band.low() + step * k as f64).collect();
-        let explained: Vec<_> = self.moments.at(&omegas).map(explained).collect();
-        omegas.into_iter().zip(explained).collect()
+        let omegas = (0..=count).map(|k| band.low() + step * k as f64);
+        omegas.zip(self.moments.at_steps(band.low(), step, count + 1).map(explained)).collect()
     }
 
     /// The highest peaks of a band, refined, highest first.
