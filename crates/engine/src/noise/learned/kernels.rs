@@ -95,14 +95,19 @@ pub(crate) enum Over {
 pub(crate) struct Frame {
     /// Row × direction; mean square 1 over the rows.
     lever: DMatrix<Real>,
-    /// lever · leverᵀ.
-    pub gram: DMatrix<Real>,
 }
 
 impl Frame {
-    fn of(lever: DMatrix<Real>) -> Self {
-        let gram = &lever * lever.transpose();
-        Self { lever, gram }
+    /// A column of lever · leverᵀ from row `first` on. The whole is as large as a covariance and as quickly computed as read.
+    pub fn gram(&self, column: usize, first: usize, into: &mut Vec<Real>) {
+        into.clear();
+        into.resize(self.lever.nrows() - first, 0.0);
+        for of_direction in self.lever.as_slice().chunks_exact(self.lever.nrows()) {
+            let here = of_direction[column];
+            if here != 0.0 {
+                into.iter_mut().zip(&of_direction[first..]).for_each(|(sum, lever)| *sum += here * lever);
+            }
+        }
     }
 }
 
@@ -185,7 +190,7 @@ impl Kernels {
             .collect();
         let point_of_row =
             rows_of_point.iter().enumerate().flat_map(|(i, rows)| rows.clone().map(move |_| i)).collect();
-        let frame = |frame: &Frame| Frame::of(frame.lever.select_rows(&rows));
+        let frame = |frame: &Frame| Frame { lever: frame.lever.select_rows(&rows) };
         let list = self.list.iter().map(|kernel| Kernel { over: over(&kernel.over), ..*kernel }).collect();
         Self {
             list,
@@ -198,20 +203,20 @@ impl Kernels {
         }
     }
 
-    /// Σ over the rows of each pair of points of `matrix` ∘ gram.
+    /// Σ over the rows of each pair of points of `matrix` ∘ lever · leverᵀ.
     pub fn contracted(&self, frame: &Frame, matrix: &DMatrix<Real>) -> DMatrix<Real> {
         let (rows, points) = (matrix.nrows(), self.points);
-        let mut sums = DMatrix::zeros(points, points);
+        let (mut sums, mut gram) = (DMatrix::zeros(points, points), Vec::new());
         for column in 0..rows {
             let of_point = self.point_of_row[column] * points;
             let target = &mut sums.as_mut_slice()[of_point..of_point + points];
             let a = &matrix.as_slice()[column * rows..(column + 1) * rows];
-            let b = &frame.gram.as_slice()[column * rows..(column + 1) * rows];
+            frame.gram(column, 0, &mut gram);
             match self.components {
-                Some(1) => contract::<1>(target, a, b),
-                Some(3) => contract::<3>(target, a, b),
+                Some(1) => contract::<1>(target, a, &gram),
+                Some(3) => contract::<3>(target, a, &gram),
                 _ => {
-                    for ((a, b), &point) in a.iter().zip(b).zip(&self.point_of_row) {
+                    for ((a, b), &point) in a.iter().zip(&gram).zip(&self.point_of_row) {
                         target[point] += a * b;
                     }
                 }
@@ -304,7 +309,7 @@ impl<'a> In<'a> {
         if size < 1e-9 {
             return Self { kernels, frame: None };
         }
-        kernels.frames.push(Frame::of((lever / size).cast::<Real>()));
+        kernels.frames.push(Frame { lever: (lever / size).cast::<Real>() });
         let frame = Some(kernels.frames.len() - 1);
         Self { kernels, frame }
     }

@@ -52,20 +52,21 @@ fn covariance(kernels: &Kernels, rho_squared: &[f64], white: &DVector<f64>) -> D
             }
         }
     }
-    let mut sigma = DMatrix::zeros(rows, rows);
+    let (mut sigma, mut gram) = (DMatrix::zeros(rows, rows), Vec::new());
     for column in 0..rows {
         let point = kernels.point_of_row[column];
         let Range { start: first, end: last } = kernels.rows_of_point[point];
-        let below = column * rows + first..(column + 1) * rows;
-        let target = &mut sigma.as_mut_slice()[below.clone()];
-        for (frame, sum) in kernels.frames.iter().zip(&sums) {
-            let Some(sum) = sum else { continue };
-            let of_points = &sum.as_slice()[point * points..(point + 1) * points];
-            kernels.add_expanded(point, target, &frame.gram.as_slice()[below.clone()], of_points);
-        }
-        for (frame, own) in kernels.frames.iter().zip(&own).filter(|(_, own)| **own > 0.0) {
-            for row in column..last {
-                target[row - first] += own * frame.gram[(row, column)];
+        let target = &mut sigma.as_mut_slice()[column * rows + first..(column + 1) * rows];
+        for ((frame, sum), own) in kernels.frames.iter().zip(&sums).zip(&own) {
+            if sum.is_some() || *own > 0.0 {
+                frame.gram(column, first, &mut gram);
+            }
+            if let Some(sum) = sum {
+                let of_points = &sum.as_slice()[point * points..(point + 1) * points];
+                kernels.add_expanded(point, target, &gram, of_points);
+            }
+            for row in (column..last).filter(|_| *own > 0.0) {
+                target[row - first] += own * gram[row - first];
             }
         }
         target[column - first] += white[column] as Real;
