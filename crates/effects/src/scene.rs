@@ -20,6 +20,8 @@ pub struct Scene {
     pub channels: Vec<String>,
     /// First and last time of the points, s; `None` when the points have no time.
     pub time_range_s: Option<(f64, f64)>,
+    /// Times of the points in order, s, at most [`TIMES_KEPT`] of them, evenly chosen; empty where `time_range_s` is `None`.
+    pub times_s: Vec<f64>,
     /// Smallest and largest commanded position of each axis, mm and rad.
     pub position_range: AxisValues<(f64, f64)>,
     /// Smallest step between two positions of each axis, mm and rad; infinite where it stands at one, zero where it was read in motion.
@@ -68,6 +70,7 @@ impl Scene {
         let run_of_setup: Vec<usize> = setups.iter().map(|setup| setup.run).collect();
         Self {
             time_range_s: if timed { range(states.clone().filter_map(|s| s.time_s)) } else { None },
+            times_s: if timed { times(states.clone().filter_map(|s| s.time_s)) } else { Vec::new() },
             time_step_s: if timed { usual_step(states.clone().filter_map(|s| s.time_s)) } else { None },
             path: path(&machine, &setups, states.clone()),
             histories: if timed {
@@ -103,6 +106,15 @@ impl Scene {
     /// Time since the first point, s; `None` without time.
     pub fn elapsed_s(&self, state: &State) -> Option<f64> {
         Some(state.time_s? - self.time_range_s?.0)
+    }
+
+    /// Time since the first point after which this share of the points was read, s, between two of them; `None` without time. Where a run has
+    /// pauses, what happens once happens among the points or is not seen.
+    pub fn moment_s(&self, share: f64) -> Option<f64> {
+        let after = ((share * self.times_s.len() as f64).round() as usize).max(1);
+        let between =
+            0.5 * (self.times_s.get(after - 1)? + self.times_s.get(after).or(self.times_s.last())?);
+        Some(between - self.time_range_s?.0)
     }
 
     /// True when time goes by between the points.
@@ -229,6 +241,17 @@ fn step<'a>(states: impl Iterator<Item = &'a State> + Clone, letter: Slot) -> f6
 pub fn same_position(slot: Slot) -> f64 {
     if slot.is_rotary() { 1e-3 } else { 50e-3 }
 }
+
+/// See [`Scene::moment_s`].
+fn times(times_s: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut times_s: Vec<f64> = times_s.collect();
+    times_s.sort_by(f64::total_cmp);
+    let every = times_s.len().div_ceil(TIMES_KEPT).max(1);
+    times_s.into_iter().step_by(every).collect()
+}
+
+/// More than ten for each moment that any effect tries.
+const TIMES_KEPT: usize = 512;
 
 /// Median of the first steps forward in time.
 fn usual_step(times_s: impl Iterator<Item = f64> + Clone) -> Option<f64> {

@@ -64,12 +64,11 @@ pub(crate) static EFFECT: Effect = Effect {
     },
 };
 
-/// Moments tried, evenly over the experiment.
+/// Moments tried, evenly over the readings: while nothing is read no slip has a moment.
 const MOMENTS: usize = 32;
 
 fn shapes(scene: &Scene, _: Subject) -> Shapes {
-    let duration_s = scene.duration_s().unwrap_or_default();
-    let moment = |i: usize| duration_s * (i as f64 + 0.5) / MOMENTS as f64;
+    let moment = |i: usize| scene.moment_s((i as f64 + 0.5) / MOMENTS as f64).unwrap_or_default();
     Shapes::one("slip_after_s", (0..MOMENTS).map(moment), true)
 }
 

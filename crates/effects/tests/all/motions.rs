@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 use std::collections::BTreeSet;
 use trunnion_core::{State, Twist};
 use trunnion_effects::{Instance, Unit, r_test_reading};
-use trunnion_machine::{Errors, JointErrors, Machine, Site};
+use trunnion_machine::{Errors, JointErrors, Machine, Site, shipped};
 
 /// Shape numbers that count something.
 const COUNTS: [&str; 4] = ["lobes", "triad", "load", "cycles_per_turn"];
@@ -154,4 +154,22 @@ fn columns_match_differences_of_the_exact_kinematics() {
             }
         }
     }
+}
+
+/// Two passes of forty readings, a day apart: a slip within either is tried every few readings, and none while nobody reads.
+#[test]
+fn a_slip_is_looked_for_where_readings_are() {
+    let machine = shipped::machine("table-bc").unwrap();
+    let mut states = rich_states(&machine);
+    states.iter_mut().enumerate().for_each(|(i, state)| {
+        let pass = if i < 40 { 0.0 } else { 86_400.0 };
+        state.time_s = Some(1000.0 + pass + 5.0 * i as f64);
+    });
+    let scene = scene(&machine, &states);
+    let elapsed_s: Vec<f64> = states.iter().map(|state| scene.elapsed_s(state).unwrap()).collect();
+    let grid = Instance::find("setup-slip", &machine).unwrap().shapes(&scene).grid;
+    let before: Vec<usize> =
+        grid.iter().map(|shape| elapsed_s.iter().filter(|time_s| **time_s < shape[0]).count()).collect();
+    assert!(before.windows(2).all(|pair| pair[1] - pair[0] <= 3), "{before:?}");
+    assert!(before[0] <= 3 && before[before.len() - 1] >= states.len() - 3, "{before:?}");
 }

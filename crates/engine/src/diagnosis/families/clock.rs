@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use trunnion_core::Joint;
 use trunnion_effects::Scene;
 
-/// Moments of a switch during the run.
+/// Moments of a switch during the run, evenly over the readings.
 const MOMENTS: usize = 13;
 
 /// Warming up and wandering.
@@ -25,7 +25,8 @@ pub(super) fn settling(duration_s: f64, rotary: &[Joint], drafts: &mut Vec<Draft
 
 /// Switching once, and coming and going.
 pub(super) fn switching(duration_s: f64, scene: &Scene, drafts: &mut Vec<Draft>) {
-    let moments: Vec<f64> = (1..MOMENTS).map(|i| duration_s * i as f64 / MOMENTS as f64).collect();
+    let moment = |i: usize| scene.moment_s(i as f64 / MOMENTS as f64);
+    let moments: Vec<f64> = (1..MOMENTS).filter_map(moment).collect();
     drafts.push(Draft::new("clock", 1, vec!["step(t - when)".into()], "switching at one moment").with(
         "when",
         (0.0, duration_s),
