@@ -110,6 +110,7 @@ async fn soak(args: &SoakArgs, folder: &Path) -> anyhow::Result<()> {
     let output = std::fs::File::create(&log).with_context(|| format!("cannot write {}", log.display()))?;
     let mut command = Command::new(&args.program);
     command.arg("daemon").arg("--config").arg(&floor.config).stdin(Stdio::null()).stderr(output);
+    command.envs(environment_of_the_unit());
     let mut child = Stopped(command.spawn().context("cannot start the service")?);
     let (at_page, at_broker) = (Arc::<Received>::default(), Arc::<Received>::default());
     tokio::spawn(readers::broker(port, at_broker.clone()));
@@ -207,4 +208,11 @@ fn judge(recording: &Path, floor: &Floor, rates: Rates, began: SystemTime) -> an
 fn folder_mb(folder: &Path) -> f64 {
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
     files.filter_map(|file| file.metadata().ok()).map(|about| about.len()).sum::<u64>() as f64 / 1e6
+}
+
+/// What the unit sets for the service.
+fn environment_of_the_unit() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let lines = include_str!("../../../../systemd/trunnion.service").lines();
+    let assignments = lines.filter_map(|line| line.strip_prefix("Environment="));
+    assignments.flat_map(str::split_whitespace).filter_map(|assignment| assignment.split_once('='))
 }

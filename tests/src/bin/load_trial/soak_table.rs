@@ -17,7 +17,7 @@ pub fn document(soak: &Soak) -> String {
     let mut text = format!(
         "# The service over many cycles\n\n\
          Written by `load-trial soak --program target/release/trunnion --markdown docs/measured/soak.md` of `trunnion-tests`. \
-         `trunnion daemon` of an optimised build reads simulated devices of another process at full rate: three optoNCDT probes at \
+         `trunnion daemon` of an optimised build, in the environment of `systemd/trunnion.service`, reads simulated devices of another process at full rate: three optoNCDT probes at \
          {probe_hz} Hz each, a CANopen encoder at {encoder_hz} Hz, axes at {axes_hz} Hz from an MTConnect agent. One program of {:.0} s \
          follows the other, C forward and back at {} °/min. Each run is recorded and analysed in a process of its own while the next \
          is measured. One client reads the events of the page, another every topic of mosquitto. `[storage]` keeps a budget, so that \
