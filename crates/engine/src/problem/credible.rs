@@ -39,7 +39,8 @@ pub fn typical_size(unit: Unit) -> f64 {
         "urad/(rad/s2)" => 15.0,
         "um/(rad/s)2" => 3.0,
         "um/mm" => 0.01,
-        "um/mm2" => 0.001,
+        // 1 µm at the ends of a range of ±1 mm.
+        "um/mm2" => 1.0,
         _ => 0.01,
     };
     on_screen / unit.per_inside.abs()

@@ -14,6 +14,7 @@ mod lines;
 mod nothing_hidden;
 mod null;
 mod outside_data;
+mod probes;
 mod repeats;
 mod robot;
 mod scatter;
