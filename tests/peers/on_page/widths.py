@@ -1,0 +1,43 @@
+"""Every view on a screen, a tablet and a phone: nothing scrolls sideways, targets and letters are large enough, axe finds nothing serious."""
+
+from axe_playwright_python.sync_playwright import Axe
+
+from checks import check, trunnion
+from on_page.tab import DATA, Served, Tab
+
+VIEWS = ["result", "what-if", "history", "measure"]
+
+
+def every_width(browser, folder):
+    for name in ["nothing-hidden", "unnamed"]:
+        points = DATA / f"points-{name}"
+        trunnion("import", points / "points.csv", "--setup", points / "setup.toml", "-o", folder / f"{name}.mcap")
+    with Served(folder) as address:
+        for width, height, scheme in [(1280, 800, "light"), (820, 1180, "dark"), (390, 844, "light")]:
+            tab = Tab(browser, address, width, height, scheme)
+            for view in VIEWS:
+                tab.view(view)
+                wide = tab.page.evaluate("document.documentElement.scrollWidth - innerWidth")
+                check(f"{view} at {width} does not scroll sideways", wide <= 0, wide)
+                small = tab.page.evaluate("""() => [...document.querySelectorAll('button, select, summary, nav a, .button, .choice, input:not([type=checkbox])')]
+                    .filter((one) => one.offsetParent && one.getBoundingClientRect().height < 43.5).map((one) => one.outerHTML)""")
+                check(f"{view} at {width}: targets are 44 px high", not small, small[:2])
+                found = Axe().run(tab.page).response["violations"]
+                grave = [(one["id"], one["nodes"][0]["html"][:120]) for one in found if one["impact"] in ("serious", "critical")]
+                check(f"{view} at {width}, {scheme}: axe finds nothing serious", not grave, grave)
+                tab.picture(f"{view}-{width}-{scheme}")
+                readable(tab, f"{view} at {width}")
+            tab.close()
+
+
+def readable(tab, where):
+    """Letters in charts are 11 px high at least, numbers in cells 10, also in closed parts; what is drawn by a script is drawn at the size it is shown."""
+    tab.page.evaluate("document.querySelectorAll('#view details').forEach((part) => (part.open = true))")
+    tab.page.wait_for_timeout(300)
+    small = tab.page.evaluate("""() => [...document.querySelectorAll('#view svg text')].filter((one) => one.checkVisibility())
+        .map((one) => [one.textContent, parseFloat(getComputedStyle(one).fontSize) * one.getScreenCTM().a, one.classList.contains('cell') ? 10 : 11])
+        .filter(([, px, least]) => px < least)""")
+    check(f"{where}: letters in charts are 11 px high", not small, small[:3])
+    scaled = tab.page.evaluate("""() => [...document.querySelectorAll('.map canvas')].filter((one) => one.clientWidth)
+        .map((one) => [one.getAttribute('aria-label'), one.width / devicePixelRatio, one.clientWidth]).filter(([, drawn, shown]) => Math.abs(drawn - shown) > 1)""")
+    check(f"{where}: drawings are not scaled", not scaled, scaled[:2])
