@@ -148,14 +148,18 @@ fn invisible(scan: &Scan<'_>, found: &Found, candidates: &[Candidate]) -> Vec<St
     imitated.filter(|id| !is_shown(id)).collect()
 }
 
-/// The period among shape numbers has the uncertainty that its wave shows.
-fn with_u_of(period: Option<&Wave>, mut parameters: Vec<CandidateParameter>) -> Vec<CandidateParameter> {
-    let Some(wave) = period.filter(|wave| wave.unit == Unit::MM.symbol) else { return parameters };
+/// The period among the shape numbers of `effect` has the uncertainty that its wave shows.
+fn with_u_of(wave: &Wave, effect: &str, parameters: &mut [CandidateParameter]) {
+    if wave.unit != Unit::MM.symbol {
+        return;
+    }
     let is_period = |p: &&mut CandidateParameter| {
-        p.u.is_none() && p.unit == wave.unit && p.value.is_some_and(|mm| (mm - wave.value).abs() < wave.u)
+        p.effect == effect
+            && p.u.is_none()
+            && p.unit == wave.unit
+            && p.value.is_some_and(|mm| (mm - wave.value).abs() < wave.u)
     };
     parameters.iter_mut().filter(is_period).for_each(|p| p.u = Some(wave.u));
-    parameters
 }
 
 struct Context<'a> {
@@ -220,20 +224,34 @@ impl Context<'_> {
         let confused =
             if is_found { confused_with(scan, self.found, item, self.options.claim_ln) } else { Vec::new() };
         let rivals: Vec<_> = confused.iter().map(|&g| &scan.named[g].instance).collect();
-        let period = refit.shape().and_then(|shape| Wave::of_effect(&scan.residual, instance, shape));
+        let (parameters, mut waves) = self.parameters(refit);
+        let own = waves.iter().position(|(effect, _)| *effect == instance.id());
+        let period = own.map(|at| waves.swap_remove(at).1);
         Candidate {
             effect: instance.id(),
             evidence: item.ln_odds / LN_10,
             rms_um_after: refit.rms_um(),
             holdout_rms_um_after: refit.holdout_rms_um(),
             explains_fraction: explained.by(refit.rms_mm()),
-            parameters: with_u_of(period.as_ref(), refit.parameters()),
+            parameters,
             separate_by: words::separate_by(instance, &rivals),
             confused_with: rivals.iter().map(|instance| instance.id()).collect(),
             adequate: explains_all && doubt.is_none(),
             remarks: period.iter().map(Wave::words).chain(doubt).collect(),
             period,
         }
+    }
+
+    /// Parameters of what was added, periods with their uncertainty; the waves that these are of, each with its effect.
+    fn parameters(&self, refit: &Refit) -> (Vec<CandidateParameter>, Vec<(String, Wave)>) {
+        let mut parameters = refit.parameters();
+        let of_shape = |(effect, shape): (&str, &[f64])| {
+            let named = self.scan.named.iter().find(|named| named.instance.id() == effect)?;
+            Some((effect.to_string(), Wave::of_effect(&self.scan.residual, &named.instance, shape)?))
+        };
+        let waves: Vec<(String, Wave)> = refit.shapes().filter_map(of_shape).collect();
+        waves.iter().for_each(|(effect, wave)| with_u_of(wave, effect, &mut parameters));
+        (parameters, waves)
     }
 
     /// Nothing structured remains with this item alone: it is all that was found, or fits as well as all that was found.
@@ -274,7 +292,7 @@ impl Context<'_> {
             rms_um: refit.rms_um(),
             holdout_rms_um: refit.holdout_rms_um(),
             explains_fraction: explained.by(refit.rms_mm()),
-            parameters: refit.parameters(),
+            parameters: self.parameters(refit).0,
             adequate: self.what_remains(refit).is_none(),
         }
     }

@@ -89,10 +89,14 @@ impl Refit {
         self.fit.holdout_rms_mm().map(um_from_mm)
     }
 
-    /// Shape numbers of the first that was added.
-    pub fn shape(&self) -> Option<&[f64]> {
-        let first = self.added.first()?;
-        self.fit.effects.iter().find(|effect| effect.id == first.id).map(|effect| effect.shape.as_slice())
+    /// Effects that were added, with their shape numbers.
+    pub fn shapes(&self) -> impl Iterator<Item = (&str, &[f64])> {
+        let effects = self.fit.effects.iter().filter(|effect| self.is_new(&effect.id));
+        effects.map(|effect| (effect.id.as_str(), effect.shape.as_slice()))
+    }
+
+    fn is_new(&self, id: &str) -> bool {
+        self.added.iter().any(|entry| entry.id == id)
     }
 
     /// Why what was added cannot be the cause: the first parameter of `instance` that is larger than its cause allows.
@@ -168,15 +172,15 @@ impl Refit {
 
     /// Parameters of what was added, shape numbers last.
     pub fn parameters(&self) -> Vec<CandidateParameter> {
-        let is_new = |id: &str| self.added.iter().any(|entry| entry.id == id);
-        let fitted = self.fit.parameters.iter().filter(|p| is_new(&p.effect)).map(|p| CandidateParameter {
-            effect: p.effect.clone(),
-            name: p.name.clone(),
-            value: p.screen_value(),
-            u: p.screen_u(),
-            unit: p.unit.symbol.into(),
-        });
-        let effects = self.fit.effects.iter().filter(|effect| is_new(&effect.id));
+        let fitted =
+            self.fit.parameters.iter().filter(|p| self.is_new(&p.effect)).map(|p| CandidateParameter {
+                effect: p.effect.clone(),
+                name: p.name.clone(),
+                value: p.screen_value(),
+                u: p.screen_u(),
+                unit: p.unit.symbol.into(),
+            });
+        let effects = self.fit.effects.iter().filter(|effect| self.is_new(&effect.id));
         let shapes = effects.flat_map(|effect| {
             effect.shape_names.iter().zip(&effect.shape).map(move |(name, value)| CandidateParameter {
                 effect: effect.id.clone(),
