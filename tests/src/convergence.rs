@@ -5,4 +5,4 @@
 
 mod trial;
 
-pub use trial::{CASES, Case, Failure, trial};
+pub use trial::{CASES, Case, Failure, fit_without_scatter, trial};

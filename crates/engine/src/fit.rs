@@ -2,7 +2,7 @@
 //!
 //! shapes (grid) → converge (Gauss–Newton to the exact prediction) → outliers excluded, until they stay the same → readings
 //! weighted by the noise of their run and their samples, and fitted again → uncertainties under the parts of the machine's noise
-//! (`structured`; else from clusters, `uncertainty`) and tilts that no reading shows (`second_order`), noise, held-out proof.
+//! (`structured`; else from clusters, `uncertainty`), tilts that no reading shows (`second_order`) and null directions, noise, held-out proof.
 
 pub mod between_runs;
 pub mod doubts;
@@ -33,7 +33,8 @@ use crate::problem::passes::passes;
 use crate::problem::side_by_side::SideBySide;
 use crate::solve::combinations::seen_together;
 use crate::solve::direction::{Named, Status};
-use crate::solve::null_space::{Direction, Share, describe};
+use crate::solve::null_space::{Direction, Share, of_null_directions};
+use crate::solve::words::describe;
 use crate::{Experiment, HeldOut, IdentifyError, Outliers, Uncertainties};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::convert;
@@ -121,6 +122,7 @@ fn gather(
     if let Some(of_tilts) = second_order(design, &fit, used) {
         small += of_tilts;
     }
+    small += of_null_directions(&fit.datum);
     let mut covariance = DMatrix::zeros(joint.width(), joint.width());
     for (a, &i) in determined.iter().enumerate() {
         for (b, &j) in determined.iter().enumerate() {

@@ -6,5 +6,6 @@ pub(crate) mod echelon;
 pub(crate) mod golden_section;
 pub mod linear;
 pub(crate) mod normal;
-pub mod null_space;
+pub(crate) mod null_space;
 pub(crate) mod unseen;
+pub mod words;

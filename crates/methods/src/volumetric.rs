@@ -27,7 +27,7 @@ use density::Lines;
 use nalgebra::{DMatrix, DVector, Point3, RowDVector, Vector3};
 use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_effects::Model;
-use trunnion_engine::solve::null_space::spell;
+use trunnion_engine::solve::words::spell;
 use trunnion_engine::{Experiment, Identification, IdentifyError};
 
 /// A null direction counts when it moves the map by more than this share of its largest part.

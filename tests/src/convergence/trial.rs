@@ -119,28 +119,60 @@ fn text(kind: &str, name: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
+/// A cycle on a machine and in a mounting that were drawn.
+struct Drawn {
+    cycle: Cycle,
+    machine: Machine,
+    model: Model,
+    states: Vec<State>,
+    virtual_machine: VirtualMachine,
+}
+
+impl Drawn {
+    fn new(case: Case, seed: u64, rng: &mut ChaCha8Rng) -> Self {
+        let mut cycle =
+            Cycle::parse(case.cycle, &text("cycles", case.cycle)).unwrap_or_else(|e| panic!("{e}"));
+        let machine = shipped::machine(&cycle.machine).expect("shipped");
+        let states = moved(&mut cycle, &machine, rng);
+        let model = case.model.map_or_else(
+            || Model::base(&machine.name),
+            |name| Model::parse(name, &text("models", name)).unwrap_or_else(|e| panic!("{e}")),
+        );
+        let truth = draw(&machine, &cycle.setups, seed, rng);
+        let virtual_machine = VirtualMachine::new(machine.clone(), truth).expect("of this machine");
+        Self { cycle, machine, model, states, virtual_machine }
+    }
+
+    fn measured(&self, states: &[State]) -> Run {
+        run(&self.cycle, &self.machine, &self.virtual_machine, states)
+    }
+}
+
+/// The fit of the trial without scatter, and the truth.
+///
+/// # Panics
+/// A fit that fails.
+pub fn fit_without_scatter(case: Case, seed: u64) -> (Identification, Truth) {
+    let drawn = Drawn::new(case, seed, &mut ChaCha8Rng::seed_from_u64(seed));
+    let run = drawn.measured(&drawn.states);
+    let experiment = Experiment::new(std::slice::from_ref(&run)).unwrap_or_else(|e| panic!("{e}"));
+    let fit = identify(&experiment, &drawn.model, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
+    (fit, drawn.virtual_machine.truth().clone())
+}
+
 /// Draws machine, mounting and scatter from the seed; measures, fits and judges.
 pub fn trial(case: Case, seed: u64) -> Vec<Failure> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut cycle = Cycle::parse(case.cycle, &text("cycles", case.cycle)).unwrap_or_else(|e| panic!("{e}"));
-    let machine = shipped::machine(&cycle.machine).expect("shipped");
-    let states = moved(&mut cycle, &machine, &mut rng);
-    let model = case.model.map_or_else(
-        || Model::base(&machine.name),
-        |name| Model::parse(name, &text("models", name)).unwrap_or_else(|e| panic!("{e}")),
-    );
-    let truth = draw(&machine, &cycle.setups, seed, &mut rng);
-    let virtual_machine = VirtualMachine::new(machine.clone(), truth).expect("of this machine");
+    let drawn = Drawn::new(case, seed, &mut rng);
     let scatter_mm = rng.random_range(0.0..MOST_SCATTER_MM);
-    let off = scattered(&machine, &states, scatter_mm, &mut rng);
-    let measured = |states: &[State]| run(&cycle, &machine, &virtual_machine, states);
-    let (exact, recorded) = (measured(&states), measured(&off));
+    let off = scattered(&drawn.machine, &drawn.states, scatter_mm, &mut rng);
+    let (exact, recorded) = (drawn.measured(&drawn.states), drawn.measured(&off));
 
     let mut failures = Vec::new();
     let mut fail = |kind, what: String| failures.push(Failure { kind, what });
     let fitted = |run: &Run| {
         let experiment = Experiment::new(std::slice::from_ref(run)).map_err(|e| e.to_string())?;
-        identify(&experiment, &model, &Options::default()).map_err(|e| e.to_string())
+        identify(&experiment, &drawn.model, &Options::default()).map_err(|e| e.to_string())
     };
     match (fitted(&exact), fitted(&recorded)) {
         (Ok(exact), Ok(recorded)) => compare(&exact, &recorded, &mut fail),

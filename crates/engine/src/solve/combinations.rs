@@ -6,8 +6,9 @@
 //! Limits: at most [`MOST`] errors without numbers; settings of instruments do not take part.
 
 use crate::solve::direction::Named;
-use crate::solve::echelon::echelon;
-use crate::solve::null_space::{Direction, spell};
+use crate::solve::echelon::{Row, echelon};
+use crate::solve::null_space::Direction;
+use crate::solve::words::spell;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Beyond this many the combinations would be of no use to a person.
@@ -61,7 +62,7 @@ pub(crate) fn seen_together(
     let largest = svd.singular_values.amax();
     let kernel: Vec<usize> =
         (0..svd.singular_values.len()).filter(|&i| svd.singular_values[i] <= ZERO * largest).collect();
-    let combination = |(pivot, row): (usize, Vec<f64>)| {
+    let combination = |Row { pivot, part: row, .. }: Row| {
         let mut terms: Vec<(usize, f64)> = vec![(without_number[pivot], 1.0)];
         let others = (0..row.len()).filter(|&k| k != pivot && row[k].abs() > TAKES_PART);
         terms.extend(others.map(|k| (without_number[k], row[k])));

@@ -5,6 +5,29 @@ use nalgebra::{DMatrix, RowDVector};
 /// Share of the largest entry from which another may be the pivot: threshold pivoting, with its usual 1/10 [Duff 1986].
 const PIVOT_SHARE: f64 = 0.1;
 
+/// One direction.
+pub(crate) struct Row {
+    pub pivot: usize,
+    /// Entries of those that take part, 1 at the pivot.
+    pub part: Vec<f64>,
+    /// Entries of those that take no part.
+    pub rest: Vec<f64>,
+}
+
+impl Row {
+    /// Those that take part next to the pivot.
+    pub fn others(&self) -> Vec<usize> {
+        (0..self.part.len()).filter(|&k| k != self.pivot && self.part[k] != 0.0).collect()
+    }
+
+    /// Those of them for which `little` holds take no part; their indices.
+    pub fn leave_out(&mut self, little: impl Fn(usize, f64) -> bool) -> Vec<usize> {
+        let left_out: Vec<usize> = self.others().into_iter().filter(|&k| little(k, self.part[k])).collect();
+        left_out.iter().for_each(|&k| self.rest[k] = std::mem::take(&mut self.part[k]));
+        left_out
+    }
+}
+
 /// Reduced row echelon form of orthonormal rows; pivots from `preferred` in this order while they take part, then the largest entries
 /// of the columns `first` while they take part, then of all those that are large the one that counts most. `least`: the shares of a row
 /// of length 1 from which each column takes part in it; an entry below is zero.
@@ -14,7 +37,7 @@ pub(crate) fn echelon(
     first: &[usize],
     counts: &[f64],
     least: &dyn Fn(&RowDVector<f64>) -> Vec<f64>,
-) -> Vec<(usize, Vec<f64>)> {
+) -> Vec<Row> {
     let mut pivots = Vec::new();
     let mut preferred = preferred.iter();
     while pivots.len() < rows.nrows() {
@@ -55,7 +78,11 @@ pub(crate) fn echelon(
     }
     let mut kept = taking_part(&rows, least);
     pivots.iter().enumerate().for_each(|(i, &pivot)| kept[(i, pivot)] = 1.0);
-    let of_row = |(i, column): (usize, usize)| (column, kept.row(i).iter().copied().collect());
+    let of_row = |(i, pivot): (usize, usize)| Row {
+        pivot,
+        part: kept.row(i).iter().copied().collect(),
+        rest: (0..kept.ncols()).map(|j| if kept[(i, j)] == 0.0 { rows[(i, j)] } else { 0.0 }).collect(),
+    };
     pivots.into_iter().enumerate().map(of_row).collect()
 }
 
@@ -81,7 +108,7 @@ mod tests {
     #[test]
     fn of_parameters_involved_alike_the_one_that_counts_most_is_the_pivot() {
         let row = DMatrix::from_row_slice(1, 3, &[0.7, -0.71, 0.05]).normalize();
-        let pivot = |counts: [f64; 3]| echelon(row.clone(), &[], &[], &counts, &|_| vec![1e-6; 3])[0].0;
+        let pivot = |counts: [f64; 3]| echelon(row.clone(), &[], &[], &counts, &|_| vec![1e-6; 3])[0].pivot;
         assert_eq!(pivot([1.0, 1e3 / 15.0, 1.0]), 1);
         assert_eq!(pivot([1e3 / 15.0, 1.0, 1.0]), 0);
         assert_eq!(pivot([1.0, 1.0, 1e9]), 1, "a small share is no pivot, however much it counts");
@@ -90,17 +117,18 @@ mod tests {
     #[test]
     fn who_does_not_take_part_is_zero_and_no_pivot() {
         let row = DMatrix::from_row_slice(1, 3, &[1.0, 1.0, 1e-4]).normalize();
-        let (pivot, entries) =
+        let Row { pivot, part: entries, rest } =
             echelon(row.clone(), &[2], &[], &[1.0; 3], &|_| vec![1e-6, 1e-6, 1e-3]).remove(0);
-        assert!(pivot != 2 && entries[2] == 0.0, "{entries:?}");
-        let (pivot, entries) = echelon(row, &[2], &[], &[1.0; 3], &|_| vec![1e-6; 3]).remove(0);
+        assert!(pivot != 2 && entries[2] == 0.0 && rest[2] != 0.0, "{entries:?} {rest:?}");
+        let Row { pivot, part: entries, .. } =
+            echelon(row, &[2], &[], &[1.0; 3], &|_| vec![1e-6; 3]).remove(0);
         assert!(pivot == 2 && entries[0] != 0.0, "{entries:?}");
     }
 
     #[test]
     fn where_nobody_takes_part_the_pivot_is_still_one() {
         let row = DMatrix::from_row_slice(1, 2, &[0.6, 0.8]);
-        let (pivot, entries) = echelon(row, &[], &[], &[1.0; 2], &|_| vec![2.0; 2]).remove(0);
+        let Row { pivot, part: entries, .. } = echelon(row, &[], &[], &[1.0; 2], &|_| vec![2.0; 2]).remove(0);
         assert!(entries[pivot] == 1.0 && entries[1 - pivot] == 0.0, "{entries:?}");
     }
 }

@@ -3,23 +3,25 @@
 //! Null vectors are all directions of the scaled columns that show no more than rounding and positions a little off the commanded ones
 //! would show by themselves (`problem::off_nominal`), and those along which the fit would wander by more than `MEANINGLESS_MM` of
 //! reading. They are brought to reduced row echelon form (`solve::echelon`). Every pivot is held at zero, which leaves independent
-//! columns. This is done in two stages, for the role of an effect decides who keeps a number (docs/decisions/0004-datum-convention.md).
+//! columns. A parameter that a direction moves by less than its u takes no part in it; its u then holds that much
+//! ([`of_null_directions`]). This is done in two stages, for the role of an effect decides who keeps a number (docs/decisions/0004-datum-convention.md).
 //!
 //! 1. Location errors and settings alone. Pivots are first the parameters that the minimum set of location errors defines as zero
 //!    (S2 tables 2–5), weakest first, then the most involved ones. A conventional pivot lets the others of its direction stand
 //!    for it; any other pivot leaves its whole direction without numbers. Of parameters involved alike the pivot is the one whose
 //!    zero asks least of the others: of a tilt and a zero of the reading, 15 mm apart, the tilt. Were the zero held, a dead path of
 //!    10 mm would be a tilt of 40°.
+//!    Where nobody keeps the share, a parameter that the direction moves by little of its usual size keeps its number with a wider u.
 //! 2. What stage 1 determines next to the parameters of causes, error motions and descriptions. The most involved of these are
 //!    pivots: no parameter of them in the direction gets a number, the location errors and settings in it keep theirs.
 //!
 //! So an effect that is added to a model takes no number from the location errors and settings.
 
-use crate::solve::direction::{Named, Status, Unobservable};
-use crate::solve::echelon::echelon;
+use crate::solve::direction::Status;
+use crate::solve::echelon::{Row, echelon};
 use crate::solve::linear::Reduced;
 use crate::solve::unseen::unseen;
-use nalgebra::{DMatrix, RowDVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 use trunnion_effects::{Parameter, Unit};
 
 /// A direction whose uncertainty moves the readings by more than this (rms, mm) has no physical meaning.
@@ -33,13 +35,18 @@ const TAKES_PART: f64 = 1e-6;
 const TAKES_PART_WEAKLY: f64 = 1e-3;
 /// Standard deviations of what positions off by chance make of a share: more are its own.
 const CHANCE: f64 = 3.0;
-/// A null direction is no longer than this, mm, an angle as the length that it moves at [`REACH_MM`]: ten times what a machine is aligned to.
-/// Who moves by less than its u meanwhile takes no part.
-const FARTHEST_MM: f64 = 10.0;
+/// Usual size of an error of a machine, generous: what machines are aligned to. A direction along which the readings leave an error of
+/// the machine more uncertain than this says nothing of it, and no null direction is longer.
+const USUAL_MM: f64 = 1.0;
+/// The same of a setting, which a hand left where it is.
+const SETTING_MM: f64 = 10.0;
+/// Who moves by less than its u while a null direction is so many times longer than usual takes no part in it.
+const TIMES_USUAL: f64 = 10.0;
+/// Where nobody keeps the share of a null direction, a parameter keeps its number when the direction, as long as usual, moves it by less
+/// than this part of its own usual size: 50 µm for a tilt of 1 mrad that is not known. Its u then holds that.
+const LITTLE: f64 = 0.05;
 /// An angle counts as much as the length that it moves at this distance, mm: the reach of a machine.
 const REACH_MM: f64 = 1e3;
-/// Usual size of an error of a machine, generous: only its order against others counts.
-const USUAL_MM: f64 = 1.0;
 /// What a setting counts, a dead path of metres or a form of micrometres: it is the pivot where there is nothing else, by its share.
 const ANY_SIZE: f64 = 1e-9;
 
@@ -62,6 +69,10 @@ pub(crate) struct Direction {
     pub share: Share,
     /// True when the direction is not exactly null, only too weak.
     pub weak: bool,
+    /// How far it moves, at its longest, those that take no part in it: parameter index and amount, inside units.
+    pub moved: Vec<(usize, f64)>,
+    /// Those of them that would have no number did they take part.
+    pub widened: Vec<usize>,
 }
 
 /// Who keeps the share of a null direction.
@@ -193,7 +204,13 @@ impl Work<'_> {
             free.iter().partition(|&&j| self.limits.faint(self.reduced, self.parameters, j));
         for j in without {
             self.datum.status[j] = Status::Unobservable;
-            let direction = Direction { terms: vec![(j, 1.0)], share: Share::Nobody, weak: false };
+            let direction = Direction {
+                terms: vec![(j, 1.0)],
+                share: Share::Nobody,
+                weak: false,
+                moved: Vec::new(),
+                widened: Vec::new(),
+            };
             self.datum.directions.push(direction);
         }
         for &j in &with {
@@ -212,12 +229,26 @@ impl Work<'_> {
         self.reduced.scale[j] / usual
     }
 
+    /// A scaled parameter at 1, as a part of what it is at most along a null direction.
+    fn of_longest(&self, j: usize) -> f64 {
+        let most_mm = if self.settings.contains(&j) { SETTING_MM } else { USUAL_MM };
+        self.reduced.scale[j] * length_mm(&self.parameters[j]) / most_mm
+    }
+
     /// Holds a pivot of each null direction of the columns `of` at zero; the rest is determined.
     fn fix(&mut self, of: Vec<usize>, pivots: Pivots<'_>) {
         if of.is_empty() {
             return;
         }
-        let Null { vectors, weak, off, least, root_cofactor } = null(self.reduced, &of, self.limits);
+        // A scaled parameter at 1, as a part of its longest; the same of lengths and angles of the machine, 0 for others.
+        let of_longest: Vec<f64> = of.iter().map(|&j| self.of_longest(j)).collect();
+        let is_error = |j: &usize| {
+            !self.settings.contains(j) && matches!(self.parameters[*j].unit, Unit::UM | Unit::URAD)
+        };
+        let error_or_0 = |(k, j): (usize, &usize)| if is_error(j) { of_longest[k] } else { 0.0 };
+        let of_usual: Vec<f64> = of.iter().enumerate().map(error_or_0).collect();
+        let Null { vectors, weak, off, least, root_cofactor } =
+            null(self.reduced, &of, &of_usual, self.limits);
         let place = |j: usize| of.iter().position(|&k| k == j);
         let named = |zero: &Zero| of.iter().position(|&j| self.parameters[j].name == zero.name);
         let (mut preferred, mut standing, mut first) = (Vec::new(), Vec::new(), Vec::new());
@@ -229,29 +260,34 @@ impl Work<'_> {
             Pivots::Added(added) => first = added.iter().filter_map(|&j| place(j)).collect(),
         }
         self.datum.rank = of.len() - vectors.nrows();
-        let scale = |j: usize| self.reduced.scale[j];
-        let lengths_mm: Vec<f64> = of.iter().map(|&j| scale(j) * length_mm(&self.parameters[j])).collect();
         let counts: Vec<f64> = of.iter().map(|&j| self.count(j)).collect();
         let noise_mm = self.limits.noise_mm();
         let least_shares = |row: &RowDVector<f64>| {
             let off_mm =
                 CHANCE * (row * &off * row.transpose())[0].max(0.0).sqrt() / self.limits.rows_moved.sqrt();
-            let longest_mm =
-                row.iter().zip(&lengths_mm).map(|(share, length)| share.abs() * length).fold(0.0, f64::max);
-            let unfelt_mm = noise_mm * longest_mm / FARTHEST_MM;
+            let unfelt_mm = noise_mm * largest(row.iter(), &of_longest) / TIMES_USUAL;
             root_cofactor.iter().map(|root| (root * off_mm.max(unfelt_mm)).max(least)).collect()
         };
         let rows = echelon(vectors, &preferred, &first, &counts, &least_shares);
-        let held: Vec<usize> = rows.iter().map(|(pivot, _)| of[*pivot]).collect();
-        for (pivot, row) in rows {
-            let others: Vec<usize> = (0..row.len()).filter(|&k| k != pivot && row[k] != 0.0).collect();
-            let of_base = others.iter().any(|k| !first.contains(k));
-            let share = match preferred.iter().position(|&zero| zero == pivot) {
+        let held: Vec<usize> = rows.iter().map(|row| of[row.pivot]).collect();
+        for mut row in rows {
+            let pivot = row.pivot;
+            let share_of = |row: &Row| match preferred.iter().position(|&zero| zero == pivot) {
                 Some(k) if standing[k] => Share::Mounting,
                 Some(_) => Share::Others,
-                None if first.contains(&pivot) && of_base => Share::Base,
+                None if first.contains(&pivot) && row.others().iter().any(|k| !first.contains(k)) => {
+                    Share::Base
+                }
                 None => Share::Nobody,
             };
+            let longest = largest(row.part.iter(), &of_longest).recip();
+            let mut widened = Vec::new();
+            if share_of(&row) == Share::Nobody {
+                let little = |k: usize, entry: f64| entry.abs() * longest * of_usual[k] < LITTLE;
+                widened =
+                    row.leave_out(|k, entry| of_usual[k] > 0.0 && !first.contains(&k) && little(k, entry));
+            }
+            let (share, others) = (share_of(&row), row.others());
             let conventional = matches!(share, Share::Others | Share::Mounting);
             let status = &mut self.datum.status;
             status[of[pivot]] = if conventional { Status::ZeroByConvention } else { Status::Unobservable };
@@ -262,12 +298,38 @@ impl Work<'_> {
             });
             without_number.for_each(|&k| status[of[k]] = Status::Unobservable);
             let scale = |k: usize| self.reduced.scale[of[k]];
-            let term = |k: usize| (of[k], row[k] * scale(k) / scale(pivot));
+            let term = |k: usize| (of[k], row.part[k] * scale(k) / scale(pivot));
             let terms = std::iter::once(pivot).chain(others).map(term).collect();
-            self.datum.directions.push(Direction { terms, share, weak });
+            // A cause has no usual size in its own unit: what an unknown one moves by chance is not counted.
+            let rest = (0..of.len()).filter(|&k| first.is_empty() && row.rest[k] != 0.0);
+            let moved = rest.map(|k| (of[k], row.rest[k] * longest * scale(k))).collect();
+            let widened = widened.into_iter().map(|k| of[k]).collect();
+            self.datum.directions.push(Direction { terms, share, weak, moved, widened });
         }
         self.datum.determined = of.into_iter().filter(|j| !held.contains(j)).collect();
     }
+}
+
+/// The entry that is largest in its own unit; `units`: of what it is at 1.
+fn largest<'a>(entries: impl Iterator<Item = &'a f64>, units: &[f64]) -> f64 {
+    entries.zip(units).map(|(entry, unit)| entry.abs() * unit).fold(0.0, f64::max)
+}
+
+/// Covariance of the determined parameters from null directions in which they take no part: d dᵀ for each, d what the direction moves at
+/// its longest [GUM F.2.4.5].
+pub(crate) fn of_null_directions(datum: &Datum) -> DMatrix<f64> {
+    let width = datum.determined.len();
+    let mut sum = DMatrix::zeros(width, width);
+    for direction in &datum.directions {
+        let mut moved = DVector::zeros(width);
+        for &(j, amount) in &direction.moved {
+            if let Some(k) = datum.determined.iter().position(|other| *other == j) {
+                moved[k] = amount;
+            }
+        }
+        sum.ger(1.0, &moved, &moved, 1.0);
+    }
+    sum
 }
 
 /// What some columns do not show.
@@ -287,17 +349,21 @@ struct Null {
 /// Unseen are all v with ‖A v‖ ≤ ‖ΔA v‖, found together: singular vectors of A alone mix what is seen with what is not, and other
 /// positions mix them otherwise [Van Loan 1976].
 ///
+/// Of what is seen, those are too weak that noise alone moves by more than means anything: readings by [`MEANINGLESS_MM`], or a
+/// parameter by more than 1 / `of_usual`.
+///
 /// Positions off by chance turn a null vector v by A⁺ ΔA v: parameter j by ‖ΔA v‖/√m times the root of its (AᵀA)⁻¹, m the readings that v
 /// moves.
-fn null(reduced: &Reduced, of: &[usize], limits: &Limits<'_>) -> Null {
+fn null(reduced: &Reduced, of: &[usize], of_usual: &[f64], limits: &Limits<'_>) -> Null {
     let triangle = reduced.triangle.select_columns(of);
     let off = limits.off_nominal(reduced, of);
     let floor = limits.tolerance.max(reduced.floor) * triangle.singular_values().amax();
     let unseen = unseen(&triangle, off.clone(), floor);
     let others = DMatrix::identity(of.len(), of.len()) - unseen.transpose() * &unseen;
     let (sigma, v_t) = Reduced::singular_of(&triangle * others);
+    let weakest = |i: usize| limits.weakest.max(limits.noise_mm() * largest(v_t.row(i).iter(), of_usual));
     let (faint, seen): (Vec<usize>, Vec<usize>) =
-        (0..of.len() - unseen.nrows()).partition(|&i| sigma[i] < limits.weakest);
+        (0..of.len() - unseen.nrows()).partition(|&i| sigma[i] < weakest(i));
     let faint = v_t.select_rows(&faint);
     let weak = faint.nrows() > 0;
     let rows: Vec<_> = unseen.row_iter().chain(faint.row_iter()).collect();
@@ -305,92 +371,4 @@ fn null(reduced: &Reduced, of: &[usize], limits: &Limits<'_>) -> Null {
     let least = if weak { TAKES_PART_WEAKLY } else { TAKES_PART };
     let root_cofactor = |j: usize| seen.iter().map(|&i| (v_t[(i, j)] / sigma[i]).powi(2)).sum::<f64>().sqrt();
     Null { vectors, weak, off, least, root_cofactor: (0..of.len()).map(root_cofactor).collect() }
-}
-
-/// The direction in words.
-pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]) -> Unobservable {
-    let pivot = direction.terms[0].0;
-    let screen =
-        |&(j, x): &(usize, f64)| (names[j].name.clone(), x * names[j].per_inside / names[pivot].per_inside);
-    let terms: Vec<(String, f64)> = direction.terms.iter().map(screen).collect();
-    let inside = direction.terms.clone();
-    let pivot = terms[0].0.clone();
-    let others: Vec<&str> = terms[1..].iter().map(|(name, _)| name.as_str()).collect();
-    let without: Vec<&str> = direction.terms[1..]
-        .iter()
-        .filter(|(j, _)| status[*j] == Status::Unobservable)
-        .map(|(j, _)| names[*j].name.as_str())
-        .collect();
-    let how = |s: &str| {
-        if direction.weak {
-            format!("move{s} the readings too little")
-        } else {
-            format!("move{s} no reading")
-        }
-    };
-    if direction.share == Share::Mounting {
-        // A location error: direction, 0, name of the axis.
-        let axis = pivot.split_once('0').map_or(pivot.as_str(), |(_, axis)| axis);
-        let why = format!("not observable: axis {axis} is at rest in these runs; taken as 0");
-        let why = match &others[..] {
-            [] => why,
-            _ => format!("{why}, and contained, as {axis} stands, in {}", others.join(", ")),
-        };
-        return Unobservable { direction: pivot, terms, inside, why, at_rest: true };
-    }
-    let why = if others.is_empty() {
-        format!("not observable: {pivot} {} of these runs", how("s"))
-    } else if direction.share == Share::Base {
-        let (without, keep): (Vec<_>, Vec<_>) =
-            direction.terms.iter().partition(|(j, _)| status[*j] == Status::Unobservable);
-        let listed = |terms: Vec<&(usize, f64)>| {
-            terms.into_iter().map(|(j, _)| names[*j].name.as_str()).collect::<Vec<_>>().join(", ")
-        };
-        let verb = if without.len() == 1 { "is" } else { "are" };
-        let (without, keep) = (listed(without), listed(keep));
-        format!("not observable: {without} {verb} confounded with {keep} in these runs, which keep the share")
-    } else if direction.share == Share::Nobody {
-        let others = others.join(", ");
-        let how = how("");
-        format!(
-            "not observable: {pivot} and {others} together {how} of these runs; none of them gets a number"
-        )
-    } else {
-        let (stand, all) = if others.len() == 1 { ("stands", "both") } else { ("stand", "all of them") };
-        let others = others.join(", ");
-        let meaning = if without.is_empty() {
-            format!(", so {others} {stand} for {all}")
-        } else {
-            format!("; {} is not observable for another reason", without.join(", "))
-        };
-        format!("{pivot} is confounded with {others} in these runs; by convention {pivot} = 0{meaning}")
-    };
-    Unobservable { direction: spell(&terms), terms, inside, why, at_rest: false }
-}
-
-/// `EX0A - 0.5 EX0C`.
-pub fn spell(terms: &[(String, f64)]) -> String {
-    let mut text = String::new();
-    for (k, (name, coefficient)) in terms.iter().enumerate() {
-        let sign = match (k, *coefficient < 0.0) {
-            (0, false) => "",
-            (0, true) => "-",
-            (_, false) => " + ",
-            (_, true) => " - ",
-        };
-        text.push_str(sign);
-        let size = coefficient.abs();
-        if (size - 1.0).abs() > 1e-4 {
-            text.push_str(&four_digits(size));
-            text.push(' ');
-        }
-        text.push_str(name);
-    }
-    text
-}
-
-fn four_digits(size: f64) -> String {
-    let decimals = (3 - size.log10().floor() as i32).clamp(0, 9) as usize;
-    let text = format!("{size:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }

@@ -61,6 +61,5 @@ const HEAD: &str = "# Convergence\n\n\
     the usual) and a mounting (likewise, the place moved by up to 15 mm). It draws a scatter of the recorded positions of 0 to 5 µm \
     (rotary axes: to 10 µrad), and fits the run with and without it. A trial fails when a fit or a named method fails. It fails when the \
     scatter changes what is observable, the residual, or a number by more than 6 u, and when nothing gets a number.\n\n\
-    The path of `bk4-cone` shows one direction of the lines of both axes hardly more than positions 10 µm off would. In some mountings most of the \
-    errors take part in it, and nothing gets a number, with scatter or without; `bk1-b` and `bk2-c` show them.\n\n\
+    The path of `bk4-cone` does not show the tilt of both axes about X in common; EX0B and EX0C hold it as uncertainty, `bk1-b` and `bk2-c` show it.\n\n\
     | cycle | model | failed | how |\n|---|---|---:|---|\n";
