@@ -24,5 +24,6 @@ mod nc_program_measured;
 mod nest_uncertainty;
 mod opcua_controller;
 mod opcua_replies;
+mod prediction_bands;
 mod schemes;
 mod service;
