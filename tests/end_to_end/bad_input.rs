@@ -38,7 +38,7 @@ fn imported_with(folder: &Path, column: &str, change: impl Fn(usize, &str) -> St
 }
 
 /// Expects exit 1 and every one of `words` on standard error.
-fn check_refused(args: &[&str], words: &[&str]) {
+pub fn check_refused(args: &[&str], words: &[&str]) {
     let output = answer(args);
     let error = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{args:?}: {error}");

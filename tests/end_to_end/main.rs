@@ -4,6 +4,7 @@
 
 mod attribute;
 mod bad_input;
+mod bar_zero;
 mod broker;
 mod combined;
 mod compensation;

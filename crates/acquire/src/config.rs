@@ -10,6 +10,7 @@
 //! rate_khz = 1
 //! silence_ms = 200               # no reading for so long ends the connection
 //! travel_mm = [-1, 1]            # measuring range, of drivers that do not know it
+//! zero_mm = 10.0                 # of a channel with role "bar": what it shows at the length of the bar
 //! ```
 //! Further keys belong to the driver and are described in its file.
 

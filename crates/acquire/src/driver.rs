@@ -25,6 +25,11 @@ pub trait Device: Debug + Send + Sync {
     fn range_mm(&self) -> Option<[f64; 2]> {
         None
     }
+    /// What the channel with the role bar shows at the length of the bar, mm, where the configuration says it; what it reads
+    /// counts from there.
+    fn bar_zero_mm(&self) -> Option<f64> {
+        None
+    }
     /// Port or address, for messages and to find two devices on one port.
     fn address(&self) -> &str;
     /// One connection, from opening to its end.

@@ -5,6 +5,7 @@
 //! queue. What readings become is `trunnion-sync`'s, shared with replay.
 
 mod axis_name;
+mod bar_zero;
 pub mod config;
 mod controller_stamp;
 pub mod credentials;

@@ -88,6 +88,8 @@ pub struct Link {
     /// When totals were reported last, and which.
     reported: Option<(HostTime, Counters)>,
     channel_names: Vec<String>,
+    /// Channel of the ball bar with what it shows at its length, mm.
+    bar_zero: Option<(u16, f64)>,
     values: ValueMonitor,
     axis_watchdog: AxisWatchdog,
     temperatures: TemperatureMonitor,
@@ -119,11 +121,17 @@ impl Link {
             gap_reason: None,
             reported: None,
             channel_names,
+            bar_zero: None,
             values: ValueMonitor::default(),
             axis_watchdog: AxisWatchdog::default(),
             temperatures: TemperatureMonitor::default(),
             meanings: HashMap::new(),
         }
+    }
+
+    /// From where the channel of a ball bar counts, mm: its readings become changes from there. The raw number stays as it is.
+    pub fn set_bar_zero(&mut self, bar_zero: Option<(u16, f64)>) {
+        self.bar_zero = bar_zero;
     }
 
     /// Name of the device.
@@ -170,11 +178,12 @@ impl Link {
             self.report_temperature(temperature.name.clone(), reported);
         }
         let mut reading = reading;
-        if let Reading::Probe(probe) = &mut reading
-            && let Some(finding) = self.values.see(probe, at)
-        {
-            let channel = probe.channel;
-            self.report(channel, finding);
+        if let Reading::Probe(probe) = &mut reading {
+            if let Some((_, zero_mm)) = self.bar_zero.filter(|(channel, _)| *channel == probe.channel) {
+                probe.value_mm -= zero_mm;
+            }
+            let (channel, finding) = (probe.channel, self.values.see(probe, at));
+            finding.into_iter().for_each(|finding| self.report(channel, finding));
         }
         if let Some(finding) = self.axis_watchdog.see(&reading, at) {
             self.report_axes(finding, at);

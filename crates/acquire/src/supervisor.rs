@@ -13,8 +13,8 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinSet;
 use tokio_util::sync::CancellationToken;
-use trunnion_core::Clock;
 use trunnion_core::reading::Message;
+use trunnion_core::{Clock, Role};
 
 const FIRST_WAIT: Duration = Duration::from_millis(250);
 const LONGEST_WAIT: Duration = Duration::from_secs(10);
@@ -67,7 +67,9 @@ pub fn start(
         let outlet = Outlet::new(device, config.name.clone(), sender.clone());
         let names = all_channels.iter().filter(|channel| channel.device == device);
         let names = names.map(|channel| channel.name.clone()).collect();
-        let link = Link::new(first_channel, names, config.silence, clock.clone(), outlet, status);
+        let mut link = Link::new(first_channel, names, config.silence, clock.clone(), outlet, status);
+        let bar = all_channels.iter().position(|c| c.device == device && c.role == Role::Bar);
+        link.set_bar_zero(bar.map(|bar| bar as u16).zip(config.device.bar_zero_mm()));
         tasks.spawn(supervise(config, link, cancel.clone()));
     }
     Acquisition { messages, states, tasks, cancel }

@@ -7,6 +7,9 @@ use crate::renamed::{Renamed, read_columns};
 use crate::{Problems, convert};
 use nalgebra::{Point3, Unit, Vector3};
 
+/// How far balls that are set by hand may be off their places, mm.
+pub const SET_BY_HAND_MM: f64 = 1.0;
+
 /// Which side the R-test nest (or the fixed end of the bar) rides on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum NestSide {
@@ -64,6 +67,11 @@ impl Setup {
             calibrated: false,
             artefact: None,
         }
+    }
+
+    /// True for a bar whose readings count from its length; those of others only say how it changes.
+    pub fn reads_calibrated_length(&self) -> bool {
+        self.calibrated && self.instrument.keeps_bar_length()
     }
 
     /// Nominal place of what is measured at a target, table axes, mm; without an artefact the place of the setup.

@@ -83,6 +83,15 @@ struct Named {
     name: String,
     driver: &'static str,
     range_mm: Option<[f64; 2]>,
+    bar_zero_mm: Option<f64>,
+}
+
+impl Named {
+    /// Measuring range of one of its channels, mm: that of a bar counts from where the bar does.
+    fn range_mm(&self, channel: &Channel) -> Option<[f64; 2]> {
+        let zero_mm = self.bar_zero_mm.filter(|_| channel.role == Role::Bar).unwrap_or(0.0);
+        self.range_mm.map(|range_mm| range_mm.map(|end_mm| end_mm - zero_mm))
+    }
 }
 
 #[derive(Default)]
@@ -96,6 +105,8 @@ struct Values {
     warnings: BTreeMap<u16, String>,
     mounted: Option<Mounted>,
     cycle: Option<LiveCycle>,
+    /// What the readings of the newest cycle put in doubt.
+    doubt: Option<String>,
     rate: Rate,
 }
 
@@ -108,7 +119,12 @@ impl Latest {
     ) -> Self {
         let channels = channels(devices);
         let none = channels.iter().map(|_| ChannelValues::default()).collect();
-        let named = |d: &DeviceConfig| Named { name: d.name.clone(), driver: d.driver, range_mm: d.range_mm };
+        let named = |d: &DeviceConfig| Named {
+            name: d.name.clone(),
+            driver: d.driver,
+            range_mm: d.range_mm,
+            bar_zero_mm: d.device.bar_zero_mm(),
+        };
         Self {
             values: Arc::new(Mutex::new(Values { channels: none, ..Values::default() })),
             devices: devices.iter().map(named).collect(),
@@ -148,6 +164,11 @@ impl Latest {
             gaps: gaps.len(),
             newest_gaps: newest(gaps),
         });
+    }
+
+    /// The readings of the newest cycle put this in doubt, or nothing.
+    pub fn set_doubt(&self, doubt: Option<String>) {
+        self.lock().doubt = doubt;
     }
 
     /// What stands against the next cycle; `None` while one is measured, as that moves the probes.
@@ -228,7 +249,7 @@ impl Latest {
         let probes = self.probes(&values, now);
         let (ball, ball_said) = self.ball(&values, &probes);
         let devices = self.devices();
-        let say = say::sentences(&devices, &probes, ball_said);
+        let say = say::sentences(values.doubt.as_deref(), &devices, &probes, ball_said);
         let axes_device = values.axes.map_or_else(String::new, |(device, _)| self.device(device));
         let fresh = |at: HostTime| now.seconds_since(at) <= OLD_S;
         let temperature = |(name, (device, degc, at)): (&String, &(u16, f64, HostTime))| LiveTemperature {
@@ -265,26 +286,18 @@ impl Latest {
 
     fn probe(&self, values: &Values, now: HostTime, index: usize, channel: &Channel) -> LiveProbe {
         let device = &self.devices[usize::from(channel.device)];
+        let range_mm = device.range_mm(channel);
         let value_mm = values.channels[index].value_mm(now, OLD_S);
         let stuck = value_mm.and_then(|_| self.stuck(values, now, index));
         let zone = match stuck {
             Some(_) => Zone::Stuck,
-            None => Zone::of(value_mm, device.range_mm),
+            None => Zone::of(value_mm, range_mm),
         };
-        let centre_mm = device.range_mm.map(|[from_mm, to_mm]| (from_mm + to_mm) / 2.0);
+        let centre_mm = range_mm.map(|[from_mm, to_mm]| (from_mm + to_mm) / 2.0);
         let warning = values.warnings.get(&channel.device).filter(|text| text.starts_with(&channel.name));
         let say = say::probe(zone, value_mm.zip(centre_mm), stuck, warning.map(String::as_str));
         let (name, role) = (channel.name.clone(), channel.role.name().into());
-        LiveProbe {
-            name,
-            device: device.name.clone(),
-            role,
-            value_mm,
-            range_mm: device.range_mm,
-            centre_mm,
-            zone,
-            say,
-        }
+        LiveProbe { name, device: device.name.clone(), role, value_mm, range_mm, centre_mm, zone, say }
     }
 
     /// For how long a channel has kept one number, s, while another of the same kind, which is named, trembled.

@@ -1,6 +1,7 @@
 //! The service: configuration, wiring of devices to recording to analysis, MQTT status.
 
 pub mod analysis;
+pub mod bar_zero;
 pub mod begun_by;
 pub mod board;
 pub mod caller;

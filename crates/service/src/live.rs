@@ -2,6 +2,7 @@
 //!
 //! Everything is recorded before it is interpreted. The points that come out are recorded too.
 
+mod bar_length;
 mod measured;
 mod measurement;
 mod tally;
@@ -203,6 +204,7 @@ impl Live {
             measurement.record(Item::Event(under_way), self.clock.now());
         }
         self.asked.forget();
+        self.latest.set_doubt(None);
         let mut shown = None;
         while measurement.forming.ended().is_none() {
             let messages = &mut self.acquisition.messages;
@@ -250,6 +252,9 @@ impl Live {
             self.note_channel(timed.as_ref());
             measurement.tally.take(&message);
             measurement.take(timed, &mut self.timebase, self.clock.now());
+            if let Some(doubt) = measurement.take_doubt() {
+                self.latest.set_doubt(Some(doubt));
+            }
             let now = measurement.forming.progress();
             let counted = Some((now.done, measurement.gaps().len()));
             if std::mem::replace(&mut shown, counted) != counted {

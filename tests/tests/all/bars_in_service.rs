@@ -46,9 +46,9 @@ const CASES: [Case; 8] = [
 ];
 
 /// The floor is on before the program begins, s.
-const LATER_S: f64 = 3.0;
+pub const LATER_S: f64 = 3.0;
 /// An operator who is quick, s.
-const OPERATOR_S: f64 = 1.0;
+pub const OPERATOR_S: f64 = 1.0;
 /// White noise of a sample of the bar, mm.
 const NOISE_MM: f64 = 0.2e-3;
 /// What the bar shows while nobody has put it in, mm.
@@ -156,7 +156,7 @@ async fn row(case: &Case) -> String {
 }
 
 /// Nothing can be hit here: the ways between the passes are short and quick, the passes are as the cycle asks.
-fn quick() -> CourseRules {
+pub fn quick() -> CourseRules {
     CourseRules {
         transfer_mm_per_s: 500.0,
         transfer_rad_per_s: 6.0,
@@ -173,7 +173,7 @@ fn feed_in_words(line: &str) -> String {
 }
 
 /// The machine under the program, with the bar that is in.
-fn cell(name: &str, program: &BarProgram, world: &Arc<VirtualMachine>) -> SimulatedCell {
+pub fn cell(name: &str, program: &BarProgram, world: &Arc<VirtualMachine>) -> SimulatedCell {
     let (world, along) = (Arc::clone(world), program.trajectory.clone());
     let setup_of_step = program.setup_of_step.clone();
     SimulatedCell {

@@ -31,6 +31,8 @@ const CYCLES: [&str; 14] = [
 ];
 /// Axis samples and bar samples, s.
 const STEP_S: f64 = 0.01;
+/// Machines whose calibrated bars are looked at.
+const SEEDS: u64 = 12;
 /// An operator who is quick, s.
 const OPERATOR_S: f64 = 5.0;
 /// A nest that stands in the configuration although the cycle measures with the bar.
@@ -46,10 +48,15 @@ struct Measured {
 
 /// The points of a cycle whose program a controller runs, read by a bar that shows what the virtual machine does.
 fn measured(name: &str) -> Measured {
+    measured_by(name, 7, 0.0)
+}
+
+/// The same of the machine of this seed, by a bar whose device counts from `zero_mm` and whose configuration does not say so.
+fn measured_by(name: &str, seed: u64, zero_mm: f64) -> Measured {
     let path = workspace_root().join(format!("config/cycles/{name}.toml"));
     let cycle = Cycle::parse(name, &std::fs::read_to_string(path).unwrap()).unwrap();
     let machine = shipped::machine(&cycle.machine).unwrap();
-    let truth = Truth::draw(&machine, &mounted(&cycle), &[], 600.0, 7).unwrap();
+    let truth = Truth::draw(&machine, &mounted(&cycle), &[], 600.0, seed).unwrap();
     let world = VirtualMachine::new(machine.clone(), truth).unwrap();
 
     let mut rows = NestCalibration::orthogonal();
@@ -64,7 +71,7 @@ fn measured(name: &str) -> Measured {
         let here = program.trajectory.at(time_s);
         forming.axes(&AxisSample { time_s, position: here.position, ..AxisSample::default() }, &mut out);
         if let Some(setup) = program.setup_of_step[here.step] {
-            let value_mm = world.ideal_reading_mm(setup, &here.state(time_s, Vec::new(), setup))[0];
+            let value_mm = zero_mm + world.ideal_reading_mm(setup, &here.state(time_s, Vec::new(), setup))[0];
             forming.probe(&ProbeSample { channel: 0, time_s, value_mm, ..ProbeSample::default() }, &mut out);
         }
     }
@@ -113,6 +120,40 @@ fn span(cycle: &Cycle) -> f64 {
         trunnion_cycles::cycle::Motion::OnTheFly { from_to_rad: (from, to), .. }
         | trunnion_cycles::cycle::Motion::Path { from_to_rad: (from, to), .. } => (to - from).abs(),
         other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_zero_that_nobody_took_off_a_calibrated_length_is_named_and_no_machine_is_doubted() {
+    for name in ["s4-b", "s4-c"] {
+        for seed in 0..SEEDS {
+            // Both signs, from a little more than balls set by hand are off to half the travel of an encoder.
+            let size_mm = 1.5 * (500.0_f64 / 1.5).powf(seed as f64 / (SEEDS - 1) as f64);
+            let zero_mm = if seed % 2 == 0 { size_mm } else { -size_mm };
+            for zero_mm in [0.0, zero_mm] {
+                let Measured { cycle, machine, points, .. } = measured_by(name, seed, zero_mm);
+                let points: Vec<Point> = points.into_iter().step_by(10).collect();
+                let (kind, setups) = (cycle.run_kind(), cycle.setups);
+                let run = Run { name: name.into(), machine, kind, setups, channels: vec![], points };
+                let found = trunnion_engine::plausibility::implausible(&[run]);
+                match (zero_mm == 0.0, found.as_slice()) {
+                    (true, []) => {}
+                    (false, [one]) => {
+                        assert!(one.finding.contains("calibrated length"), "{one:?}");
+                        let said: f64 = one.hypothesis.split_once("zero of the bar, ").unwrap().1[..]
+                            .split(' ')
+                            .next()
+                            .unwrap()
+                            .replace('−', "-")
+                            .parse()
+                            .unwrap();
+                        assert!((said - zero_mm).abs() < 0.1, "{name}, seed {seed}: {said} of {zero_mm}");
+                        assert!(one.rms_um_with_it.unwrap() < 500.0, "{one:?}");
+                    }
+                    (_, found) => panic!("{name}, seed {seed}, zero {zero_mm} mm: {found:?}"),
+                }
+            }
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod bar_program;
+mod bar_zero;
 mod bars_in_service;
 mod bars_live;
 mod circles;

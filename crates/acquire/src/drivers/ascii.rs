@@ -46,6 +46,10 @@ impl Device for Settings {
         vec![(String::new(), self.role)]
     }
 
+    fn bar_zero_mm(&self) -> Option<f64> {
+        self.bar_zero_mm
+    }
+
     fn address(&self) -> &str {
         &self.port
     }

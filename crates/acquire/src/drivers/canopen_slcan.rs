@@ -55,6 +55,10 @@ impl Device for CanopenSlcan {
         self.network.channels()
     }
 
+    fn bar_zero_mm(&self) -> Option<f64> {
+        self.network.bar_zero_mm()
+    }
+
     fn address(&self) -> &str {
         &self.port
     }

@@ -78,6 +78,10 @@ impl Device for CanopenSocketcan {
         self.network.channels()
     }
 
+    fn bar_zero_mm(&self) -> Option<f64> {
+        self.network.bar_zero_mm()
+    }
+
     fn address(&self) -> &str {
         &self.interface
     }

@@ -12,6 +12,7 @@
 
 mod probe;
 
+use crate::bar_zero;
 use crate::driver::{Device, Driver, Session};
 use crate::link::Link;
 use crate::session_end::SessionEnd;
@@ -57,6 +58,7 @@ struct Head {
     /// Number of the amplifier, from 0.
     amplifier: u8,
     role: Role,
+    bar_zero_mm: Option<f64>,
 }
 
 fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
@@ -73,13 +75,14 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
         if role == Some(Role::Temperature) {
             entry.problem("role", "= \"temperature\"", "probe-1, probe-2, probe-3, bar", "");
         }
+        let bar_zero_mm = bar_zero::read(entry, role);
         entry.no_other_keys();
         let (Some(number), Some(role)) = (number, role) else { continue };
         let amplifier = number as u8 - 1;
         if heads.iter().any(|other| other.amplifier == amplifier) {
             entry.problem("head", format!("= {number} appears twice"), "each head once", "");
         }
-        heads.push(Head { amplifier, role });
+        heads.push(Head { amplifier, role, bar_zero_mm });
     }
     if tables.is_empty() {
         table.problem("heads", "has no entry", "[{ head = 1, role = \"probe-1\" }, …]", "");
@@ -94,6 +97,10 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
 impl Device for DlRs1a {
     fn channels(&self) -> Vec<(String, Role)> {
         self.heads.iter().map(|head| (format!("head-{}", head.amplifier + 1), head.role)).collect()
+    }
+
+    fn bar_zero_mm(&self) -> Option<f64> {
+        self.heads.iter().find_map(|head| head.bar_zero_mm)
     }
 
     fn address(&self) -> &str {

@@ -6,6 +6,7 @@
 
 mod probe;
 
+use crate::bar_zero;
 use crate::driver::{Device, Driver, Session};
 use crate::link::Link;
 use crate::moments::Moments;
@@ -49,6 +50,7 @@ struct Optoncdt {
     port: String,
     baud: u32,
     role: Role,
+    bar_zero_mm: Option<f64>,
     range_mm: f64,
     rate_khz: f64,
 }
@@ -57,6 +59,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     let port = table.string("port");
     let baud = table.optional_number("baud", 9600.0..=4_000_000.0);
     let role = Role::read(table);
+    let bar_zero_mm = bar_zero::read(table, role);
     let range_mm = table.number("range_mm", 1.0..=1000.0);
     let rate_khz = table.optional_number("rate_khz", 0.25..=4.0).unwrap_or(1.0);
     if !RATES_KHZ.contains(&rate_khz) {
@@ -66,7 +69,7 @@ fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
         table.problem("role", "= \"temperature\"", "probe-1, probe-2, probe-3, bar", "");
     }
     let baud = baud.unwrap_or(921_600.0) as u32;
-    Some(Arc::new(Optoncdt { port: port?, baud, role: role?, range_mm: range_mm?, rate_khz }))
+    Some(Arc::new(Optoncdt { port: port?, baud, role: role?, bar_zero_mm, range_mm: range_mm?, rate_khz }))
 }
 
 impl Device for Optoncdt {
@@ -76,6 +79,10 @@ impl Device for Optoncdt {
 
     fn range_mm(&self) -> Option<[f64; 2]> {
         Some([0.0, self.range_mm])
+    }
+
+    fn bar_zero_mm(&self) -> Option<f64> {
+        self.bar_zero_mm
     }
 
     fn address(&self) -> &str {

@@ -14,6 +14,7 @@ use trunnion::Model;
 use trunnion::cycles::Cycle;
 use trunnion_acquire::config::channels;
 use trunnion_service::analysis::Analyst;
+use trunnion_service::bar_zero;
 use trunnion_service::begun_by::BegunBy;
 use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
@@ -66,6 +67,7 @@ pub fn prepare_cycle(path: &Path, cycle: &Path) -> anyhow::Result<(Config, Choic
 fn choice(config: &Config, begun_by: BegunBy, cycle: &Path, model: Option<&Path>) -> anyhow::Result<Choice> {
     let cycle_text = load::read(cycle)?;
     let cycle = Cycle::parse(&cycle.display().to_string(), &cycle_text)?;
+    bar_zero::check(config, &cycle)?;
     let machine = load::machine(&cycle.machine)?;
     let model_file = model.map(Path::to_owned);
     let model = match model {

@@ -1,11 +1,12 @@
 //! Where the balls of a setup are by positions and nominal kinematics, as a run says or as it would say with a mistake undone.
 
 use nalgebra::Vector3;
+use trunnion_core::setup::SET_BY_HAND_MM;
 use trunnion_core::{AxisValues, Setup, statistics};
 use trunnion_machine::{JointErrors, Machine};
 
 /// With a mistake undone, the balls may stay this far off: settings by hand and rounded positions, mm.
-pub(super) const TOGETHER_MM: f64 = 1.0;
+pub(super) const TOGETHER_MM: f64 = SET_BY_HAND_MM;
 
 /// What a run says of itself, or would say with a mistake undone.
 #[derive(Clone)]

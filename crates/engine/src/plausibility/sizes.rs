@@ -7,6 +7,9 @@ use crate::Experiment;
 use crate::noise::repeatability::{of_channels_mm, repeatability};
 use crate::problem::passes::{Passes, passes};
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::number::signed;
+use trunnion_core::setup::SET_BY_HAND_MM;
+use trunnion_core::{Point, statistics};
 use trunnion_cycles::{Run, RunKind};
 
 /// Readings that are all smaller: no ball is set so well in its nest, and no probe is worth less than its last digit, µm.
@@ -21,6 +24,8 @@ const TOO_COARSE_UM: f64 = 50.0;
 /// Probes of one nest read one ball: one that repeats so many times worse than every other, and worse than [`LOOSE_UM`], is loose.
 const LOOSE_TIMES: f64 = 10.0;
 const LOOSE_UM: f64 = 2.0;
+/// A share of readings that stands for all: single wrong ones are among them.
+const MOSTLY: f64 = 0.95;
 /// Air in which nobody works, °C. 59 °F is a cold shop.
 const TOO_HOT_DEGC: f64 = 55.0;
 /// What channels of the air are called.
@@ -31,7 +36,7 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
         let repeats = || {
             Repeats::of(run).and_then(|repeats| unrepeatable(run, &repeats).or_else(|| loose(run, &repeats)))
         };
-        too_small(run).or_else(|| too_large(run)).or_else(repeats)
+        too_small(run).or_else(|| bar_zero(run)).or_else(|| too_large(run)).or_else(repeats)
     };
     let enough = runs.iter().filter(|run| run.good_points().count() >= FEWEST_POINTS);
     enough.flat_map(|run| of_readings(run).into_iter().chain(too_hot(run))).collect()
@@ -60,6 +65,40 @@ fn too_hot(run: &Run) -> Option<Implausible> {
 /// True where contact probes read.
 fn has_probes(run: &Run) -> bool {
     run.setups.iter().all(|setup| setup.instrument.deflects_probes())
+}
+
+/// Readings of calibrated bars that are all off their length by one amount, more than balls set by hand are: the zero of the device is in
+/// them. Bars of unlike length may have unlike zeros.
+fn bar_zero(run: &Run) -> Option<Implausible> {
+    let setup = |point: &Point| &run.setups[point.state.setup];
+    let length = |point: &Point| setup(point).bar_length_mm.unwrap_or_default();
+    let of_bars: Vec<&Point> =
+        run.good_points().filter(|point| setup(point).reads_calibrated_length()).collect();
+    let lengths_mm: Vec<f64> = of_bars.iter().map(|point| length(point)).collect();
+    lengths_mm.chunk_by(|a, b| a == b).find_map(|of_one| {
+        let alike = of_bars.iter().filter(|point| length(point) == of_one[0]);
+        let readings_mm: Vec<f64> = alike.map(|point| point.reading_mm[0]).collect();
+        let zero_mm = statistics::median(&readings_mm)?;
+        let near: Vec<f64> = readings_mm.iter().map(|mm| mm - zero_mm).filter(|mm| mm.abs() < SET_BY_HAND_MM).collect();
+        let is_zero = zero_mm.abs() > SET_BY_HAND_MM && near.len() as f64 >= MOSTLY * readings_mm.len() as f64;
+        let left_um = um_from_mm(statistics::rms(near)?);
+        is_zero.then(|| Implausible {
+            finding: format!(
+                "{}: the bar reads {} mm from its calibrated length of {} mm in every pose ({} points), farther than balls set by hand are.",
+                run.name,
+                signed(zero_mm, 3),
+                of_one[0],
+                readings_mm.len()
+            ),
+            hypothesis: format!(
+                "With the zero of the bar, {} mm, taken off the readings, {left_um:.1} µm are left. Change it? It is zero_mm of the device where the \
+                 bar was read live, else it is in the column dr. Where another bar was in, correct bar_length_mm; where nobody calibrated it, \
+                 remove calibrated = true.",
+                signed(zero_mm, 3)
+            ),
+            rms_um_with_it: Some(left_um),
+        })
+    })
 }
 
 /// Readings of a ball bar beyond its range. Where three probes read one ball, positions in the readings are tried as a mistake of their own.

@@ -60,11 +60,17 @@ pub(super) fn ball(ball: &BallOffset, known: bool) -> String {
     }
 }
 
-/// Of everything: devices that do not read, probes that are not ready, the ball.
-pub(super) fn sentences(devices: &[LiveDevice], probes: &[LiveProbe], ball: Option<String>) -> String {
+/// Of everything: what the readings put in doubt, devices that do not read, probes that are not ready, the ball.
+pub(super) fn sentences(
+    doubt: Option<&str>,
+    devices: &[LiveDevice],
+    probes: &[LiveProbe],
+    ball: Option<String>,
+) -> String {
     let device = |device: &LiveDevice| Some(format!("{}: {}.", device.name, device.remedy.as_deref()?));
     let probe = |probe: &LiveProbe| format!("{}: {}.", probe.name, probe.say);
     let of_devices = devices.iter().filter_map(device);
     let of_probes = probes.iter().filter(|probe| !probe.zone.is_good()).map(probe);
-    of_devices.chain(of_probes).chain(ball).collect::<Vec<_>>().join(" ")
+    let doubt = doubt.map(str::to_owned);
+    doubt.into_iter().chain(of_devices).chain(of_probes).chain(ball).collect::<Vec<_>>().join(" ")
 }

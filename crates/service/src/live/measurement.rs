@@ -1,9 +1,10 @@
 //! One cycle while it is measured: what comes in is recorded, then formed into points; holes are counted.
 
+use super::bar_length::BarLength;
 use super::measured::{Counted, Measured};
 use super::tally::Tally;
 use trunnion::gaps::Gaps;
-use trunnion_core::{Channel, Event, Gap, HostTime, Role};
+use trunnion_core::{Channel, Event, Gap, HostTime, Role, Setup};
 use trunnion_record::{Item, RecordSender, Temperature};
 use trunnion_sync::forming::Forming;
 use trunnion_sync::plan::{Plan, PlanError};
@@ -21,6 +22,10 @@ pub(super) struct Measurement<'m> {
     formed: Vec<CycleEvent>,
     recorder: &'m RecordSender,
     channels: &'m [Channel],
+    setups: &'m [Setup],
+    bar_length: BarLength,
+    /// What the last sample put in doubt.
+    doubt: Option<String>,
     points: Counted,
     gaps: Gaps,
     pub(super) tally: Tally,
@@ -42,6 +47,9 @@ impl<'m> Measurement<'m> {
             formed: Vec::new(),
             recorder,
             channels: &plan.channels,
+            setups: &plan.cycle.setups,
+            bar_length: BarLength::default(),
+            doubt: None,
             points: Counted::default(),
             gaps: Gaps::default(),
             tally: Tally::default(),
@@ -109,6 +117,11 @@ impl<'m> Measurement<'m> {
         self.finish(EndReason::Stopped, now);
     }
 
+    /// What was put in doubt since this was asked last.
+    pub(super) fn take_doubt(&mut self) -> Option<String> {
+        self.doubt.take()
+    }
+
     pub(super) fn has_no_point(&self) -> bool {
         self.points == Counted::default()
     }
@@ -151,6 +164,12 @@ impl<'m> Measurement<'m> {
         for event in formed.drain(..) {
             if let CycleEvent::Point { point, .. } = &event {
                 self.gaps.pose(point);
+                if let Some(doubt) = self.bar_length.doubt(self.setups, point) {
+                    tracing::warn!("{doubt}");
+                    let (time_s, kind) = (self.forming.newest_s(), "warning".into());
+                    self.record(Item::Event(Event { time_s, kind, text: doubt.clone() }), now);
+                    self.doubt = Some(doubt);
+                }
             }
             match event.into_point() {
                 Ok(point) => {

@@ -1,5 +1,6 @@
 //! The keys of the `ascii` driver: a preset, changed where the keys say so.
 
+use crate::bar_zero;
 use crate::driver::Device;
 use crate::transport::serial::Framing;
 use std::sync::Arc;
@@ -19,6 +20,7 @@ pub(super) struct Settings {
     pub port: String,
     pub preset: String,
     pub role: Role,
+    pub bar_zero_mm: Option<f64>,
     pub baud: u32,
     pub framing: Framing,
     pub poll: Duration,
@@ -43,6 +45,7 @@ impl Settings {
 pub(super) fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
     let port = table.string("port");
     let role = Role::read(table);
+    let bar_zero_mm = bar_zero::read(table, role);
     let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).chain([CUSTOM]).collect();
     let name = table.one_of("preset", &names);
     let known = name.as_deref().and_then(Preset::named);
@@ -86,6 +89,7 @@ pub(super) fn read(table: &Table<'_>) -> Option<Arc<dyn Device>> {
         port: port?,
         preset: name?,
         role: role?,
+        bar_zero_mm,
         baud: baud? as u32,
         framing,
         poll: Duration::from_secs_f64(poll_ms.or(known.map(|preset| preset.poll_ms)).unwrap_or(100.0) / 1e3),

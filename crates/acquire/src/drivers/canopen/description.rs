@@ -12,8 +12,8 @@ pub(super) struct NodeConfig {
     pub(super) id: NodeId,
     pub(super) role: Role,
     pub(super) serial: Option<u32>,
-    /// Of a bar: what it shows at its length, mm.
-    pub(super) zero_mm: f64,
+    /// Of a bar: what it shows at its length, mm, where the configuration says it.
+    pub(super) bar_zero_mm: Option<f64>,
 }
 
 /// Checks profile, serial number and that the node sends what its role needs.

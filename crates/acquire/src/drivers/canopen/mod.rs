@@ -5,7 +5,7 @@
 //! their device clock: µs from the start of the session to the SYNC, as well as the transport knows it.
 //!
 //! Shared keys: `sync_ms` (5) and `nodes`, each with `id`, `role`, and optionally `serial` (1018h:04), which must then
-//! match, and for a bar `zero_mm`, what its encoder shows at the length of the bar (0).
+//! match, and for a bar `zero_mm`, what its encoder shows at the length of the bar.
 
 mod bus;
 mod description;
@@ -17,6 +17,7 @@ pub(super) use bus::{Bus, BusEvent};
 pub(super) use listen::{Heard, listen, listen_and_scan};
 pub(super) use scan::{Nodes as FoundNodes, scan};
 
+use crate::bar_zero;
 use crate::link::Link;
 use crate::session_end::SessionEnd;
 use description::NodeConfig;
@@ -49,14 +50,13 @@ impl Network {
             let role = Role::read(node);
             let serial =
                 node.optional_number("serial", 0.0..=f64::from(u32::MAX)).map(|serial| serial as u32);
-            let is_bar = role == Some(Role::Bar);
-            let zero_mm = is_bar.then(|| node.optional_number("zero_mm", -1000.0..=1000.0)).flatten();
+            let bar_zero_mm = bar_zero::read(node, role);
             node.no_other_keys();
             let (Some(id), Some(role)) = (id, role) else { continue };
             if nodes.iter().any(|other| other.id == id) {
                 node.problem("id", format!("= {} appears twice", id.get()), "each node once", "");
             }
-            nodes.push(NodeConfig { id, role, serial, zero_mm: zero_mm.unwrap_or(0.0) });
+            nodes.push(NodeConfig { id, role, serial, bar_zero_mm });
         }
         if tables.is_empty() {
             table.problem("nodes", "has no entry", "[{ id = 1, role = \"probe-1\" }, …]", "");
@@ -68,6 +68,11 @@ impl Network {
     /// Name suffix and role of each node.
     pub(super) fn channels(&self) -> Vec<(String, Role)> {
         self.nodes.iter().map(|node| (format!("node-{}", node.id.get()), node.role)).collect()
+    }
+
+    /// What the bar shows at its length, mm, where the configuration says it.
+    pub(super) fn bar_zero_mm(&self) -> Option<f64> {
+        self.nodes.iter().find_map(|node| node.bar_zero_mm)
     }
 
     /// Identifies the nodes on an open bus and reads them until something ends it.

@@ -334,7 +334,7 @@ impl Node {
                     tick_s: TICK_S,
                     sequence,
                     raw: found.raw.signed(),
-                    value_mm: value - self.config.zero_mm,
+                    value_mm: value,
                     arrival,
                 })
             }

@@ -15,8 +15,14 @@ fn gaps(blocks: &[(u32, i64)]) -> Vec<SourceGap> {
     let outlet = Outlet::new(0, "probe-1".into(), sender);
     let mut link =
         Link::new(0, vec!["probe-1".into()], Duration::from_millis(500), Arc::new(AtZero), outlet, status);
-    let config =
-        Optoncdt { port: String::new(), baud: 921_600, role: Role::Probe(0), range_mm: 2.0, rate_khz: 1.0 };
+    let config = Optoncdt {
+        port: String::new(),
+        baud: 921_600,
+        role: Role::Probe(0),
+        bar_zero_mm: None,
+        range_mm: 2.0,
+        rate_khz: 1.0,
+    };
     let layout = Layout::from_names(["DIST1", "COUNTER", "TIMESTAMP"]);
     let mut sensor = Sensor::new(&config, layout.clone(), 0);
     for &(number, arrival_ms) in blocks {

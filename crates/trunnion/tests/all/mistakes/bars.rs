@@ -37,18 +37,22 @@ pub fn bar(cycle_text: &str) -> Files {
             ball.y,
             ball.z
         );
+        if one.calibrated {
+            setup += "calibrated = true\n";
+        }
     }
     Files { header: header.collect(), rows: states.iter().enumerate().map(row).collect(), setup }
 }
 
 const BAR_C: &str = include_str!("../../../../../config/cycles/ball-bar-c.toml");
+const BAR_CALIBRATED: &str = include_str!("../../../../../config/cycles/s4-c.toml");
 const BAR_OFF_CENTRE: &str = include_str!("../../../../../config/cycles/bk1-b.toml");
 const BAR_XY: &str = include_str!("../../../../../config/cycles/circle-xy.toml");
 
 /// What is spoilt of which cycle, and what must be said of it.
 pub type BarMistake = (&'static str, &'static str, fn(&mut Files), &'static [&'static str]);
 
-pub const BARS: [BarMistake; 9] = [
+pub const BARS: [BarMistake; 11] = [
     ("constant", BAR_C, |f| f.change("dr_um", |_| 5.0), &["the probe dr reads the same value"]),
     (
         "nanometres",
@@ -61,6 +65,22 @@ pub const BARS: [BarMistake; 9] = [
         BAR_C,
         |f| f.change("dr_um", |v| v + 1e5),
         &["hold the length of the bar"],
+    ),
+    (
+        "the zero of its encoder in a calibrated length",
+        BAR_CALIBRATED,
+        |f| f.change("dr_um", |v| v + 12_500.0),
+        &[
+            "+12.500 mm from its calibrated length of 100 mm in every pose",
+            "zero_mm",
+            "3.5 µm are left. Change it?",
+        ],
+    ),
+    (
+        "the length in a calibrated length",
+        BAR_CALIBRATED,
+        |f| f.change("dr_um", |v| v + 1e5),
+        &["+100.000 mm from its calibrated length of 100 mm", "column dr"],
     ),
     ("stuck", BAR_C, |f| f.hold("dr_um", 10, 60), &["the probe dr reads the same value"]),
     (

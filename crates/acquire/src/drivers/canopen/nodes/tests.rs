@@ -47,7 +47,7 @@ fn bench_with(ids: &[CanId]) -> Bench {
         tpdos: (2..).zip(ids).map(tpdo).collect(),
         scaling: BTreeMap::from([(key, scaling)]),
     };
-    let config = NodeConfig { id: node, role: Role::Probe(0), serial: None, zero_mm: 0.0 };
+    let config = NodeConfig { id: node, role: Role::Probe(0), serial: None, bar_zero_mm: None };
     let (sender, delivered) = mpsc::channel(64);
     let (status, _) = watch::channel(DeviceStatus::default());
     let outlet = Outlet::new(0, "bus".into(), sender);
@@ -72,7 +72,7 @@ impl Bench {
 #[test]
 fn the_length_of_a_bar_counts_from_its_zero_and_its_raw_value_does_not() {
     let mut bench = bench();
-    bench.nodes.nodes[0].config.zero_mm = 10.0;
+    bench.link.set_bar_zero(Some((0, 10.0)));
     let reading = bench.value(1);
     assert_eq!((reading.raw, reading.value_mm), (1, 1e-4 - 10.0));
 }
