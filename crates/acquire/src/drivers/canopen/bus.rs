@@ -6,7 +6,7 @@ use std::future::Future;
 use std::time::Duration;
 use tokio::time::Instant;
 use trunnion_core::{HostTime, chain};
-use trunnion_protocol::can::CanFrame;
+use trunnion_protocol::can::{CanFrame, CanId};
 use trunnion_protocol::canopen::{Message, NmtState, NodeDescription, NodeId, NodeStartup, StartupProgress};
 
 /// Longest wait for one SDO answer.
@@ -46,6 +46,8 @@ pub(in crate::drivers) trait Bus: Send {
     /// stamp of its moment, which must not be given to another.
     const SYNCS_UNDER_WAY: u64;
 
+    /// From now on frames of other identifiers need not be received: those of others may fill the bus.
+    fn hear(&mut self, ids: &[CanId]) -> Result<(), SessionEnd>;
     /// Hands over a frame.
     fn send(&mut self, frame: CanFrame) -> impl Future<Output = Result<(), SessionEnd>> + Send;
     /// Hands over a SYNC, which [`BusEvent::SyncSent`] answers.
@@ -85,22 +87,7 @@ pub(super) async fn describe(
     let (mut asked, mut booted) = (1, 0);
     loop {
         let left = deadline.saturating_duration_since(Instant::now());
-        let events = bus.receive(left, link).await?;
-        if left.is_zero() && events.is_empty() {
-            if asked == TRIES {
-                return Err(no_answer(bus, startup, node, link).await?);
-            }
-            asked += 1;
-            link.log(
-                false,
-                format!("node {} did not answer for {}; it is asked again", node.get(), startup.reading()),
-            );
-            for frame in startup.ask_again() {
-                bus.send(frame).await?;
-            }
-            deadline = Instant::now() + SDO_LIMIT;
-        }
-        for event in events {
+        for event in bus.receive(left, link).await? {
             let frame = match event {
                 BusEvent::Frame { frame, .. } => frame,
                 BusEvent::Remark { warning, text } => {
@@ -143,6 +130,21 @@ pub(super) async fn describe(
                 }
             }
         }
+        // Frames of others that come all the time are no answer.
+        if left.is_zero() && deadline <= Instant::now() {
+            if asked == TRIES {
+                return Err(no_answer(bus, startup, node, link).await?);
+            }
+            asked += 1;
+            link.log(
+                false,
+                format!("node {} did not answer for {}; it is asked again", node.get(), startup.reading()),
+            );
+            for frame in startup.ask_again() {
+                bus.send(frame).await?;
+            }
+            deadline = Instant::now() + SDO_LIMIT;
+        }
     }
 }
 
@@ -162,4 +164,54 @@ async fn no_answer(
     bus.tend().await?;
     bus.receive(SDO_LIMIT, link).await?;
     Ok(explain(SessionEnd::Silent { who, waited: TRIES * SDO_LIMIT }, bus))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::probe;
+
+    /// A bus full of frames of others.
+    struct Full;
+
+    impl Bus for Full {
+        const SYNCS_UNDER_WAY: u64 = 1;
+
+        fn hear(&mut self, _: &[CanId]) -> Result<(), SessionEnd> {
+            Ok(())
+        }
+
+        async fn send(&mut self, _: CanFrame) -> Result<(), SessionEnd> {
+            Ok(())
+        }
+
+        async fn send_sync(&mut self) -> Result<(), SessionEnd> {
+            Ok(())
+        }
+
+        async fn receive(&mut self, _: Duration, _: &Link) -> Result<Vec<BusEvent>, SessionEnd> {
+            tokio::task::yield_now().await;
+            let frame = CanFrame::data_frame(CanId::Standard(0x4E4), &[0; 8]).expect("eight bytes");
+            Ok(vec![BusEvent::Frame { frame, at: HostTime(0) }])
+        }
+
+        async fn tend(&mut self) -> Result<(), SessionEnd> {
+            Ok(())
+        }
+
+        fn fault(&self) -> Option<String> {
+            None
+        }
+
+        fn dropped_bytes(&self) -> u64 {
+            0
+        }
+    }
+
+    #[tokio::test]
+    async fn a_node_that_does_not_answer_is_silent_however_much_others_say() {
+        let node = NodeId::new(3).unwrap();
+        let end = describe(&mut Full, node, &[], &mut probe::link(SDO_LIMIT)).await.unwrap_err();
+        assert!(matches!(&end, SessionEnd::Silent { who, .. } if who.contains("node 3")), "{end:?}");
+    }
 }

@@ -104,6 +104,10 @@ mod tests {
     impl Bus for Played {
         const SYNCS_UNDER_WAY: u64 = 1;
 
+        fn hear(&mut self, _: &[CanId]) -> Result<(), SessionEnd> {
+            Ok(())
+        }
+
         async fn send(&mut self, _: CanFrame) -> Result<(), SessionEnd> {
             self.sent += 1;
             Ok(())

@@ -27,7 +27,8 @@ use std::time::Duration;
 use tokio::time::{Instant, MissedTickBehavior, interval};
 use trunnion_core::Role;
 use trunnion_core::input::Table;
-use trunnion_protocol::canopen::{NmtCommand, NodeId};
+use trunnion_protocol::can::CanId;
+use trunnion_protocol::canopen::{CobId, NmtCommand, NodeId};
 
 /// Time between two questions to the transport how the bus is doing.
 const LONGEST_TEND: Duration = Duration::from_secs(1);
@@ -81,11 +82,17 @@ impl Network {
         bus: &mut impl Bus,
         link: &mut Link,
     ) -> Result<Infallible, SessionEnd> {
-        let nodes = self.start(bus, link).await?;
-        self.read_values(bus, nodes, link).await
+        let mut nodes = self.start(bus, link).await?;
+        let end = self.read_values(bus, &mut nodes, link).await;
+        nodes.count_silent(link);
+        end
     }
 
     async fn start(&self, bus: &mut impl Bus, link: &mut Link) -> Result<Nodes, SessionEnd> {
+        let services = |id| [CobId::Emergency(id), CobId::SdoAnswer(id), CobId::Heartbeat(id)];
+        let of_nodes = self.nodes.iter().flat_map(|node| services(node.id));
+        let mut heard: Vec<CanId> = of_nodes.chain([CobId::Sync]).map(CobId::can_id).collect();
+        bus.hear(&heard)?;
         // Silence first: a node left running would talk into the transfers.
         bus.send(NmtCommand::EnterPreOperational.frame(None)).await?;
         let mut descriptions = Vec::new();
@@ -94,6 +101,9 @@ impl Network {
             description::check(node, &description)?;
             descriptions.push(description);
         }
+        let values = descriptions.iter().flat_map(|of| &of.tpdos);
+        heard.extend(values.map(|tpdo| tpdo.communication.can_id()));
+        bus.hear(&heard)?;
         let names: Vec<String> = descriptions.iter().map(description::identity).collect();
         link.identified(names.join("; "));
         let nodes = Nodes::new(&self.nodes, descriptions, link.first_channel, link.now());
@@ -104,7 +114,7 @@ impl Network {
     async fn read_values<B: Bus>(
         &self,
         bus: &mut B,
-        mut nodes: Nodes,
+        nodes: &mut Nodes,
         link: &mut Link,
     ) -> Result<Infallible, SessionEnd> {
         let mut ticker = interval(self.sync_period);
@@ -115,7 +125,8 @@ impl Network {
             let events = tokio::select! {
                 biased;
                 _ = ticker.tick() => {
-                    if nodes.may_sync(B::SYNCS_UNDER_WAY, link.now()) {
+                    let now = link.now();
+                    if nodes.may_sync(B::SYNCS_UNDER_WAY, now, link) {
                         nodes.sync_written(link.now());
                         bus.send_sync().await?;
                     }

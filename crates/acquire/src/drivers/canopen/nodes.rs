@@ -3,6 +3,7 @@
 use super::description::NodeConfig;
 use crate::link::Link;
 use crate::session_end::SessionEnd;
+use answers::Answers;
 use std::time::Duration;
 use trunnion_core::reading::{ProbeReading, Reading, TemperatureReading};
 use trunnion_core::{HostTime, Role};
@@ -44,14 +45,10 @@ struct Node {
     description: NodeDescription,
     /// Values come with SYNC; those it sends by event are not taken.
     by_sync: bool,
-    /// Last SYNC index or count, with its moment.
-    last: Option<(u64, HostTime)>,
+    answers: Answers,
     /// TPDO that brought it.
     last_id: Option<CanId>,
     last_value: HostTime,
-    /// SYNCs counted as missed whose answers may still come.
-    unanswered: u64,
-    late_reported: bool,
     /// It has reported an error of its measurement (emergency with error register bit 5, CiA 301 §7.5.2.2).
     cannot_measure: bool,
     heartbeat: Option<HostTime>,
@@ -70,11 +67,9 @@ impl Nodes {
             channel: first_channel + index as u16,
             by_sync: has_synchronous_value(&description),
             description,
-            last: None,
+            answers: Answers::of(config.id.get()),
             last_id: None,
             last_value: began,
-            unanswered: 0,
-            late_reported: false,
             cannot_measure: false,
             heartbeat: None,
             longest_heartbeat: Duration::ZERO,
@@ -90,16 +85,19 @@ impl Nodes {
 
     /// True when fewer than `most` SYNCs are under way. A single one whose answer stays out is given up; where several may be,
     /// each keeps its place until it is acknowledged, unless the adapter acknowledges nothing.
-    pub(super) fn may_sync(&mut self, most: u64, now: HostTime) -> bool {
+    pub(super) fn may_sync(&mut self, most: u64, now: HostTime, link: &mut Link) -> bool {
         if self.written - self.accepted < most {
             return true;
         }
         if most > 1 {
             return self.accepted == 0;
         }
-        let given_up = now - self.syncs[self.written as usize % SYNCS_KEPT] > ECHO_LIMIT;
+        let written_at = self.syncs[self.written as usize % SYNCS_KEPT];
+        let given_up = now - written_at > ECHO_LIMIT;
         if given_up {
             self.accepted = self.written;
+            let reason = "the interface lost a SYNC, and none was sent until it was given up".into();
+            link.gap(written_at, now, None, reason);
         }
         given_up
     }
@@ -156,14 +154,14 @@ impl Nodes {
                 continue;
             }
             if every.is_some() && node.has_answered(sync, frame) {
-                node.answered_again(sync_at, arrival, link);
+                node.answers.came_again(arrival, link);
                 continue;
             }
             let (sequence, moment) = match every {
                 Some(_) => (sync, sync_at),
-                None => (node.last.map_or(1, |(count, _)| count + 1), arrival),
+                None => (node.answers.last.map_or(1, |(count, _)| count + 1), arrival),
             };
-            node.count_loss(sequence, every, moment, link);
+            node.answers.came(sequence, every, moment, link);
             node.last_value = arrival;
             node.last_id = Some(frame.id());
             let ticks = (moment.0 - began.0).max(0).cast_unsigned() / 1000;
@@ -184,7 +182,8 @@ impl Nodes {
                 }
                 node.heartbeat = Some(arrival);
                 // The start command may still be on its way in the first moments.
-                if state == NmtState::BootUp || node.last.is_some() && state != NmtState::Operational {
+                if state == NmtState::BootUp || node.answers.last.is_some() && state != NmtState::Operational
+                {
                     return Err(SessionEnd::Restarted(format!("node {} is {state:?}", id.get())));
                 }
             }
@@ -226,6 +225,27 @@ impl Nodes {
         }
         Ok(())
     }
+
+    /// At the end of a session, whose gap begins with the last value of any node: what is missing of those that were silent before.
+    pub(super) fn count_silent(&self, link: &mut Link) {
+        let of_sync = self.nodes.iter().filter(|node| node.by_sync);
+        let answered = of_sync.filter_map(|node| node.answers.last).map(|(sync, _)| sync).max();
+        for node in &self.nodes {
+            match answered.filter(|_| node.by_sync) {
+                Some(answered) => {
+                    let until = self.syncs[answered as usize % SYNCS_KEPT];
+                    node.answers.ended(self.began, answered, until, link);
+                }
+                None => {
+                    let (now, others) = (link.now(), link.last_reading());
+                    if now - node.last_value > link.silence && others > Some(node.last_value) {
+                        let reason = format!("node {} sends no values", node.config.id.get());
+                        link.gap(node.last_value, now, None, reason);
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// True when a TPDO bound to SYNC carries a measured value.
@@ -240,7 +260,8 @@ fn has_synchronous_value(description: &NodeDescription) -> bool {
 impl Node {
     /// True when this frame answers a SYNC and the node has answered this one already.
     fn has_answered(&self, sync: u64, frame: &CanFrame) -> bool {
-        let same = self.last.is_some_and(|(last, _)| last == sync) && self.last_id == Some(frame.id());
+        let same =
+            self.answers.last.is_some_and(|(last, _)| last == sync) && self.last_id == Some(frame.id());
         same && self.every_sync(frame).is_some()
     }
 
@@ -252,41 +273,6 @@ impl Node {
             Transmission::SyncOnChange => Some(u64::MAX),
             Transmission::OnRequest | Transmission::Event | Transmission::Reserved(_) => None,
         }
-    }
-
-    /// A second answer to one SYNC. Where one before was missed, it belongs to that, or the first did; which, nobody knows. Else it is a
-    /// frame that came twice: its sender saw an error behind the last bit that its receivers look at, and repeated it.
-    fn answered_again(&mut self, sync_at: HostTime, arrival: HostTime, link: &mut Link) {
-        if self.unanswered == 0 {
-            link.counters.resyncs += 1;
-            return;
-        }
-        self.unanswered -= 1;
-        let id = self.config.id.get();
-        // The one that is missing was counted when it was missed.
-        let reason = format!("node {id} answered later than the next SYNC; its moment is unknown");
-        link.gap(sync_at, arrival, Some(0), reason);
-        if !std::mem::replace(&mut self.late_reported, true) {
-            link.log(true, format!("node {id} answers later than the next SYNC: take a longer sync_ms"));
-        }
-    }
-
-    /// Values are missing between the SYNCs that were answered, whenever the answers were read.
-    fn count_loss(&mut self, sequence: u64, every: Option<u64>, moment: HostTime, link: &mut Link) {
-        if let Some(every) = every {
-            // Those of before the first answer are of no run, and yet their answers may come.
-            let (last, at) = self.last.unwrap_or((0, moment));
-            let lost = (sequence.saturating_sub(last) / every).saturating_sub(1);
-            // A second TPDO of one answer says nothing new.
-            if sequence != last {
-                self.unanswered = lost;
-            }
-            if lost > 0 && self.last.is_some() {
-                let reason = format!("node {} missed SYNCs", self.config.id.get());
-                link.gap(at, moment, Some(lost), reason);
-            }
-        }
-        self.last = Some((sequence, moment));
     }
 
     fn publish(
@@ -367,5 +353,6 @@ enum NoValue {
     Marked(RawBits),
 }
 
+mod answers;
 #[cfg(test)]
 mod tests;

@@ -7,7 +7,7 @@ use crate::link::Link;
 use crate::session_end::SessionEnd;
 use socketcan::errors::ErrorCause;
 use socketcan::tokio::CanSocket;
-use socketcan::{CanError, EmbeddedFrame, Frame, Socket, SocketOptions};
+use socketcan::{CanError, CanFilter, EmbeddedFrame, Frame, Socket, SocketOptions};
 use std::io;
 use std::time::{Duration, UNIX_EPOCH};
 use tokio::time::{Instant, sleep, timeout};
@@ -150,6 +150,11 @@ impl OpenInterface {
 impl Bus for OpenInterface {
     const SYNCS_UNDER_WAY: u64 = 1;
 
+    fn hear(&mut self, ids: &[CanId]) -> Result<(), SessionEnd> {
+        let filters: Vec<CanFilter> = ids.iter().map(|id| exactly(*id)).collect();
+        self.socket.set_filters(&filters).map_err(|error| failed(&self.name, "setting up", &error))
+    }
+
     async fn send(&mut self, frame: CanFrame) -> Result<(), SessionEnd> {
         self.write(frame).await
     }
@@ -220,6 +225,15 @@ fn failed(name: &str, doing: &str, error: &io::Error) -> SessionEnd {
             &format!("{doing} it: {error}; under systemd allow AF_CAN in RestrictAddressFamilies="),
         ),
         _ => SessionEnd::Disconnected(format!("{doing} {name}: {error}")),
+    }
+}
+
+/// Frames of one identifier; 29 bits are marked by a flag (`CAN_EFF_FLAG` of linux/can.h).
+fn exactly(id: CanId) -> CanFilter {
+    const LONG: u32 = 0x8000_0000;
+    match id {
+        CanId::Standard(_) => CanFilter::new(id.raw(), LONG | 0x7FF),
+        CanId::Extended(_) => CanFilter::new(LONG | id.raw(), LONG | 0x1FFF_FFFF),
     }
 }
 

@@ -27,7 +27,30 @@ fn bench() -> Bench {
 
 /// Its value comes in each of these frames.
 fn bench_with(ids: &[CanId]) -> Bench {
-    let node = NodeId::new(1).unwrap();
+    bench_of(&[(1, ids)])
+}
+
+/// Probes, each with the frames in which its value comes.
+fn bench_of(probes: &[(u8, &[CanId])]) -> Bench {
+    let number = |id: u8| NodeId::new(id).unwrap();
+    let config = |(k, (id, _)): (usize, &(u8, &[CanId]))| NodeConfig {
+        id: number(*id),
+        role: Role::Probe(k as u8),
+        serial: None,
+        bar_zero_mm: None,
+    };
+    let configs: Vec<NodeConfig> = probes.iter().enumerate().map(config).collect();
+    let descriptions = probes.iter().map(|(id, ids)| description(number(*id), ids)).collect();
+    let (sender, delivered) = mpsc::channel(64);
+    let (status, _) = watch::channel(DeviceStatus::default());
+    let outlet = Outlet::new(0, "bus".into(), sender);
+    let link =
+        Link::new(0, vec!["bus.node-1".into()], Duration::from_millis(500), Arc::new(AtZero), outlet, status);
+    let nodes = Nodes::new(&configs, descriptions, 0, HostTime(0));
+    Bench { nodes, link, delivered, id: probes[0].1[0] }
+}
+
+fn description(node: NodeId, ids: &[CanId]) -> NodeDescription {
     let key = ObjectKey::new(0x9130, 1);
     let tpdo = |(number, id): (u16, &CanId)| Tpdo {
         number,
@@ -39,25 +62,34 @@ fn bench_with(ids: &[CanId]) -> Bench {
         mapping: PdoMapping::new(vec![PdoEntry { key, bits: 32 }]).unwrap(),
     };
     let scaling = Scaling::Process { kind: ProcessValue::Integer32, unit: Unit::MILLIMETRE, digits: 4 };
-    let description = NodeDescription {
+    NodeDescription {
         node,
         device_type: 404,
         identity: Identity::default(),
         name: None,
         tpdos: (2..).zip(ids).map(tpdo).collect(),
         scaling: BTreeMap::from([(key, scaling)]),
-    };
-    let config = NodeConfig { id: node, role: Role::Probe(0), serial: None, bar_zero_mm: None };
-    let (sender, delivered) = mpsc::channel(64);
-    let (status, _) = watch::channel(DeviceStatus::default());
-    let outlet = Outlet::new(0, "bus".into(), sender);
-    let link =
-        Link::new(0, vec!["bus.node-1".into()], Duration::from_millis(500), Arc::new(AtZero), outlet, status);
-    let nodes = Nodes::new(&[config], vec![description], 0, HostTime(0));
-    Bench { nodes, link, delivered, id: ids[0] }
+    }
 }
 
 impl Bench {
+    fn may_sync(&mut self, most: u64, now: HostTime) -> bool {
+        self.nodes.may_sync(most, now, &mut self.link)
+    }
+
+    /// A frame that is no reading.
+    fn value_again(&mut self, arrival_ms: i64) {
+        let frame = CanFrame::data_frame(self.id, &[1, 0, 0, 0]).unwrap();
+        self.nodes.take(&frame, HostTime(arrival_ms * MS), &mut self.link).unwrap();
+    }
+
+    fn gaps(&mut self) -> Vec<(i64, i64, Option<u64>, String)> {
+        let readings = std::iter::from_fn(|| self.delivered.try_recv().ok()).map(|message| message.reading);
+        let gaps =
+            readings.filter_map(|reading| if let Reading::Gap(gap) = reading { Some(gap) } else { None });
+        gaps.map(|gap| (gap.from.0 / MS, gap.to.0 / MS, gap.lost_readings, gap.reason)).collect()
+    }
+
     fn value(&mut self, arrival_ms: i64) -> ProbeReading {
         let frame = CanFrame::data_frame(self.id, &[1, 0, 0, 0]).unwrap();
         self.nodes.take(&frame, HostTime(arrival_ms * MS), &mut self.link).unwrap();
@@ -104,24 +136,21 @@ fn values_are_missing_between_the_syncs_that_were_answered_however_late_the_answ
             bench.nodes.take(&frame, HostTime(500 * MS), &mut bench.link).unwrap();
         }
     }
-    let readings = std::iter::from_fn(|| bench.delivered.try_recv().ok()).map(|message| message.reading);
-    let gaps = readings.filter_map(|reading| if let Reading::Gap(gap) = reading { Some(gap) } else { None });
-    let gaps: Vec<_> = gaps.map(|gap| (gap.from.0 / MS, gap.to.0 / MS, gap.lost_readings)).collect();
-    assert_eq!(gaps, [(10, 50, Some(3))]);
+    assert_eq!(bench.gaps(), [(10, 50, Some(3), "node 1 missed SYNCs".into())]);
 }
 
 #[test]
 fn the_moment_of_a_value_is_the_stamp_of_its_sync_where_the_transport_has_one() {
     let mut bench = bench();
     bench.nodes.sync_written(HostTime(10 * MS));
-    assert!(!bench.nodes.may_sync(1, HostTime(15 * MS)), "the first has not come back");
+    assert!(!bench.may_sync(1, HostTime(15 * MS)), "the first has not come back");
     bench.nodes.sync_accepted(Some(HostTime(11 * MS)));
-    assert!(bench.nodes.may_sync(1, HostTime(15 * MS)));
+    assert!(bench.may_sync(1, HostTime(15 * MS)));
     let reading = bench.value(13);
     assert_eq!((reading.device_ticks, reading.arrival), (11_000, HostTime(11 * MS)));
     // One that never comes back does not stop the others.
     bench.nodes.sync_written(HostTime(20 * MS));
-    assert!(!bench.nodes.may_sync(1, HostTime(200 * MS)) && bench.nodes.may_sync(1, HostTime(221 * MS)));
+    assert!(!bench.may_sync(1, HostTime(200 * MS)) && bench.may_sync(1, HostTime(221 * MS)));
     bench.nodes.sync_written(HostTime(221 * MS));
     // It was only late: its stamp shows that, and the next one has its own.
     bench.nodes.sync_accepted(Some(HostTime(21 * MS)));
@@ -139,7 +168,7 @@ fn an_adapter_that_pauses_for_long_keeps_every_value_with_its_own_sync() {
     bench.value(1);
     let mut written = 1;
     for ms in 1..=1000 {
-        if bench.nodes.may_sync(200, HostTime(ms * MS)) {
+        if bench.may_sync(200, HostTime(ms * MS)) {
             bench.nodes.sync_written(HostTime(ms * MS));
             written += 1;
         }
@@ -213,4 +242,50 @@ fn a_late_answer_before_the_echo_of_the_next_sync_is_not_taken_for_an_answer_to_
     bench.nodes.sync_accepted(Some(HostTime(21 * MS)));
     let reading = bench.value(22);
     assert_eq!((reading.sequence, reading.device_ticks), (2, 21_000));
+}
+
+#[test]
+fn values_that_belong_to_one_sync_or_the_one_before_are_in_a_gap_from_the_first_of_them_on() {
+    let mut bench = bench();
+    for ms in [10, 20, 30, 40, 50] {
+        bench.nodes.sync_written(HostTime(ms * MS));
+        bench.nodes.sync_accepted(Some(HostTime(ms * MS)));
+        // From the second on each answer comes after the next SYNC, until the last comes in time.
+        if ms != 20 {
+            bench.value(ms + 2);
+        }
+    }
+    bench.value_again(53);
+    let unknown = "node 1 answered later than the next SYNC; its moment is unknown";
+    assert_eq!(bench.gaps(), [(30, 53, Some(0), unknown.to_string())]);
+    // Long after that a second answer is a frame that came twice.
+    let resyncs = bench.link.counters.resyncs;
+    bench.value_again(700);
+    assert_eq!((bench.gaps(), bench.link.counters.resyncs), (vec![], resyncs + 1));
+}
+
+#[test]
+fn what_a_node_did_not_answer_while_others_did_is_counted_when_the_session_ends() {
+    let of = |id| [CobId::Tpdo(2, NodeId::new(id).unwrap()).can_id()];
+    let (first, second) = (of(1), of(2));
+    let mut bench = bench_of(&[(1, &first), (2, &second)]);
+    for ms in [10, 20, 30, 40] {
+        bench.nodes.sync_written(HostTime(ms * MS));
+        bench.nodes.sync_accepted(Some(HostTime(ms * MS)));
+        for id in [first[0], second[0]].into_iter().filter(|id| ms == 10 || *id == first[0]) {
+            let frame = CanFrame::data_frame(id, &[1, 0, 0, 0]).unwrap();
+            bench.nodes.take(&frame, HostTime(ms * MS), &mut bench.link).unwrap();
+        }
+    }
+    bench.nodes.count_silent(&mut bench.link);
+    assert_eq!(bench.gaps(), [(10, 40, Some(3), "node 2 missed SYNCs".to_string())]);
+}
+
+#[test]
+fn a_sync_that_the_interface_lost_is_a_gap_until_the_next_one() {
+    let mut bench = bench();
+    bench.nodes.sync_written(HostTime(10 * MS));
+    assert!(!bench.may_sync(1, HostTime(100 * MS)) && bench.may_sync(1, HostTime(220 * MS)));
+    let reason = "the interface lost a SYNC, and none was sent until it was given up";
+    assert_eq!(bench.gaps(), [(10, 220, None, reason.to_string())]);
 }
