@@ -5,10 +5,12 @@ pub mod baselines;
 #[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 pub mod carried;
 pub mod convergence;
+pub mod course;
 pub mod in_turn;
 pub mod log;
 pub mod mosquitto;
 pub mod page_status;
+pub mod pattern;
 pub mod peer;
 pub mod schemes;
 pub mod section;

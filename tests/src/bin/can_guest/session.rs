@@ -1,6 +1,7 @@
 //! Our program's side: a real acquisition with one CANopen network on an interface.
 
 use crate::LIMIT;
+use crate::seen::Seen;
 use anyhow::{Context, bail, ensure};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -79,18 +80,45 @@ impl Session {
         }
     }
 
-    /// How a session ends in a way that fits, and the gap before the readings of the next one: a row of docs/measured/faults.md.
-    pub async fn end_and_gap(
+    /// What comes from now on.
+    pub fn seen(&self) -> Seen {
+        Seen::from(&self.status())
+    }
+
+    /// How many sessions have ended.
+    pub fn ends(&self) -> u64 {
+        self.status().ends.iter().sum()
+    }
+
+    /// Takes what comes until it is so; `is_so` is given how many sessions have ended.
+    pub async fn watch(
         &mut self,
-        name: &str,
-        fits: impl Fn(&SessionEnd) -> bool,
-        mend: impl FnOnce() -> anyhow::Result<()>,
-    ) -> anyhow::Result<String> {
-        let end = self.end(fits).await?;
-        mend()?;
-        let gap = self.until_epoch_after_gap().await?;
-        println!("FAULT | {name} | {} | {gap} | {end} |", SessionEnd::KINDS[end.kind()]);
-        Ok(end.to_string())
+        seen: &mut Seen,
+        what: &str,
+        is_so: impl Fn(&Seen, u64) -> bool,
+    ) -> anyhow::Result<()> {
+        let mut state = self.acquisition.states[0].clone();
+        let begun = Instant::now();
+        while !is_so(seen, self.ends()) {
+            ensure!(
+                begun.elapsed() < LIMIT,
+                "{what}: it does not come to that; {:?}, {seen:?}",
+                self.status()
+            );
+            let next = async {
+                tokio::select! {
+                    message = self.acquisition.messages.recv() => message,
+                    _ = state.changed() => None,
+                }
+            };
+            let Ok(message) = timeout(LIMIT, next).await else { continue };
+            seen.course.take(&self.status());
+            if let Some(message) = message {
+                self.note(&message);
+                seen.take(&message);
+            }
+        }
+        Ok(())
     }
 
     /// Waits until a session ends in a way that fits.
@@ -146,13 +174,17 @@ impl Session {
         let message = timeout(LIMIT, self.acquisition.messages.recv()).await;
         let message =
             message.with_context(|| format!("nothing comes: {:?}", self.status()))?.context("it ended")?;
+        self.note(&message);
         if matches!(message.reading, Reading::Probe(_)) && self.epoch == 0 {
             self.epoch = message.epoch;
         }
+        Ok(message)
+    }
+
+    fn note(&self, message: &Message) {
         if let Reading::Log(line) = &message.reading {
             println!("log: {}", line.text);
         }
-        Ok(message)
     }
 
     /// What the device is doing.

@@ -10,12 +10,13 @@ use std::time::{Duration, Instant};
 use tokio::time::timeout_at;
 use tokio_util::sync::CancellationToken;
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
-use trunnion_acquire::{Acquisition, DeviceState, DeviceStatus, SessionEnd, parse_devices, start};
+use trunnion_acquire::{Acquisition, DeviceState, SessionEnd, parse_devices, start};
 use trunnion_core::axis::iso::C;
 use trunnion_core::reading::{Message, Reading};
 use trunnion_core::{AxisValues, Clock, HostTime};
 use trunnion_hil_sim::devices::{CycleState, TimeOrigin, World};
 use trunnion_sync::{TimeBase, Timed};
+use trunnion_tests::course::Course;
 
 /// Longest wait for anything; the machine may be busy.
 const LIMIT: Duration = Duration::from_secs(60);
@@ -74,7 +75,7 @@ impl Clock for SinceStart {
 struct Watch {
     timebase: TimeBase,
     tape: Tape,
-    ends: [u64; 8],
+    course: Course,
     /// First and last moment of a reading.
     read: Option<(HostTime, HostTime)>,
     readings: u64,
@@ -103,13 +104,14 @@ pub async fn run(subject: &Subject, case: &Case) -> Result<(), String> {
         (Some(device), Some(fault)) => {
             watch.until(&mut acquisition, |watch| watch.has_been_read(case)).await?;
             watch.seen = Seen::default();
+            watch.course.states.clear();
             let fault_s = floor.origin.now_s();
             device.inject(fault).map_err(|error| error.to_string())?;
             (device, fault_s)
         }
         _ => {
-            let absent = SessionEnd::Absent { address: String::new(), remedy: "" }.kind();
-            watch.until(&mut acquisition, |watch| watch.ends[absent] > 0).await?;
+            let absent = SessionEnd::Absent { address: String::new(), remedy: "" };
+            watch.until(&mut acquisition, |watch| watch.course.ends(&absent) > 0).await?;
             (switch_on().await, fault_s)
         }
     };
@@ -133,7 +135,15 @@ fn free_address() -> std::io::Result<SocketAddr> {
 impl Watch {
     fn new(names: Names, tape: Tape) -> Self {
         let timebase = TimeBase::new(HostTime(0));
-        Self { timebase, tape, ends: [0; 8], read: None, readings: 0, seen: Seen::default(), names }
+        Self {
+            timebase,
+            tape,
+            course: Course::default(),
+            read: None,
+            readings: 0,
+            seen: Seen::default(),
+            names,
+        }
     }
 
     /// Takes what comes until it is so.
@@ -145,7 +155,7 @@ impl Watch {
         let deadline = tokio::time::Instant::now() + LIMIT;
         let mut state = acquisition.states[0].clone();
         let first = state.borrow_and_update().clone();
-        self.status(&first);
+        self.course.take(&first);
         while !is_so(self) {
             let next = async {
                 tokio::select! {
@@ -154,31 +164,20 @@ impl Watch {
                 }
             };
             let Ok(message) = timeout_at(deadline, next).await else {
-                return Err(format!("not within {LIMIT:?}; seen: {:#?}", self.seen));
+                return Err(format!(
+                    "not within {LIMIT:?}; seen: {:?}, {:#?}",
+                    self.course.states, self.seen
+                ));
             };
             match message {
                 Some(message) => self.take(&message),
                 None => {
                     let status = state.borrow_and_update().clone();
-                    self.status(&status);
+                    self.course.take(&status);
                 }
             }
         }
         Ok(())
-    }
-
-    fn status(&mut self, status: &DeviceStatus) {
-        // A state between two looks left its count behind.
-        let ended: Vec<DeviceState> =
-            (0..self.ends.len()).filter(|&k| status.ends[k] > self.ends[k]).filter_map(state_after).collect();
-        self.ends = status.ends;
-        for state in ended.into_iter().chain([status.state]) {
-            let is_new = self.seen.states.last() != Some(&state);
-            let is_first = self.seen.states.is_empty() && state == DeviceState::Streaming;
-            if is_new && !is_first && !matches!(state, DeviceState::Connecting | DeviceState::Stopped) {
-                self.seen.states.push(state);
-            }
-        }
     }
 
     fn take(&mut self, message: &Message) {
@@ -208,7 +207,7 @@ impl Watch {
     /// What the recording holds from the fault on.
     fn recorded(self, fault_s: f64) -> Result<Seen, String> {
         let (gaps, events) = self.tape.read_back()?;
-        let mut seen = Seen { states: self.seen.states, ..Seen::default() };
+        let mut seen = Seen { states: self.course.states, ..Seen::default() };
         for gap in gaps.into_iter().filter(|gap| gap.to_s >= fault_s) {
             seen.gap_of(gap, &self.names);
         }
@@ -225,22 +224,10 @@ impl Watch {
 
     /// True when nothing more is to be waited for. The gap of a device that is not read again comes with the end.
     fn has_all(&self, case: &Case) -> bool {
-        let last = self.seen.states.last();
+        let last = self.course.states.last();
         let ends_badly = case.course.last().is_some_and(|state| *state != DeviceState::Streaming);
         last == case.course.last()
             && self.seen.has_reported(case)
             && (ends_badly || case.gap.as_ref().is_none_or(|gap| self.seen.gap(gap).is_some()))
-    }
-}
-
-/// The state a session's end of this kind leaves.
-fn state_after(kind: usize) -> Option<DeviceState> {
-    match SessionEnd::KINDS[kind] {
-        "absent" => Some(DeviceState::Absent),
-        "silent" => Some(DeviceState::Silent),
-        "wrong-device" => Some(DeviceState::WrongDevice),
-        "refused" => Some(DeviceState::Refused),
-        "disconnected" | "protocol" | "restarted" => Some(DeviceState::Failed),
-        _ => None,
     }
 }

@@ -1,9 +1,10 @@
 //! What is seen of a device, and whether it is what must follow.
 
 use super::bench::NAME;
-use super::matrix::{Case, GapOf, is_like};
+use super::matrix::{Case, GapOf};
 use trunnion_acquire::DeviceState;
 use trunnion_core::{Event, Gap};
+use trunnion_tests::pattern::is_like;
 
 /// Addresses, and what to call them.
 pub type Names = [(String, &'static str); 2];
