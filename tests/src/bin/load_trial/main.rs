@@ -3,9 +3,11 @@
 //!
 //! `floor` has the devices, `service` is the other process, `watch` reads its time and memory from /proc, `count` what is
 //! in the finished recording, `table` writes `docs/measured/load.md`. `soak` runs one cycle after the other for hours, with `readers` of
-//! page and broker; `soak_table` writes `docs/measured/soak.md`.
+//! page and broker; `soak_table` writes `docs/measured/soak.md`. `flood` runs a cycle in quiet and one while `attack` attacks the page.
 
+mod attack;
 mod count;
+mod flood;
 mod floor;
 mod readers;
 mod service;
@@ -17,7 +19,9 @@ mod watch;
 use anyhow::{Context, bail};
 use clap::{Parser, Subcommand};
 use count::Judged;
-use floor::{Floor, Order, Rates};
+use flood::{AtPage, Page, Visitors};
+use floor::{Floor, Rates};
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -39,6 +43,9 @@ struct Args {
     /// Low rates that any computer reads, and a probe that is silent for a second: is every sample of it counted as lost?
     #[arg(long)]
     low: bool,
+    /// Two cycles with a page: in quiet, and while others attack it; are samples missing that were there in quiet?
+    #[arg(long, conflicts_with = "low")]
+    flood: bool,
     /// Keep the recording in this folder
     #[arg(long, value_name = "FOLDER")]
     keep: Option<PathBuf>,
@@ -51,6 +58,18 @@ enum Part {
     Service {
         /// Its configuration
         config: PathBuf,
+    },
+    /// Who attacks the page; started by the trial
+    #[command(hide = true)]
+    Attack {
+        /// Address of the page
+        address: SocketAddr,
+        /// First it waits, s
+        #[arg(long)]
+        after: f64,
+        /// For so long, s
+        #[arg(long)]
+        seconds: f64,
     },
     /// One cycle after the other, each analysed, with somebody at the page and at the broker
     Soak(soak::SoakArgs),
@@ -77,6 +96,8 @@ pub struct Trial {
     pub watch: Watch,
     /// Highest fill of the queue between drivers and cycle, and of that to the recorder, in messages.
     pub queues: service::Queues,
+    /// What was seen of its page, where it had one.
+    pub at_page: Option<AtPage>,
     /// True for an optimised program.
     pub release: bool,
 }
@@ -85,6 +106,7 @@ fn main() -> anyhow::Result<()> {
     let args = Args::parse();
     match &args.part {
         Some(Part::Service { config }) => return service::run(config),
+        Some(Part::Attack { address, after, seconds }) => return attack::run(*address, *after, *seconds),
         Some(Part::Soak(soak)) => return soak::run(soak),
         None => {}
     }
@@ -94,20 +116,30 @@ fn main() -> anyhow::Result<()> {
     let folder = tempfile::tempdir().context("cannot make a folder for ports and recording")?;
     let place = args.keep.clone().unwrap_or_else(|| folder.path().join("runs"));
     std::fs::create_dir_all(&place).with_context(|| format!("cannot make {}", place.display()))?;
+    if args.flood {
+        std::process::exit(flood::run(args.seconds, &place, args.markdown.as_deref())?);
+    }
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     let pauses = Pauses::watch();
-    let trial = runtime.block_on(trial(args.seconds, args.low, folder.path(), &place))?;
+    let full = Order { seconds: args.seconds, ..Order::full(folder.path(), &place) };
+    let order = if args.low { Order { rates: Rates::LOW, is_faulty: true, ..full } } else { full };
+    let trial = runtime.block_on(trial(order))?;
     let text = table::document(&trial);
     print!("{text}");
     if let Some(path) = &args.markdown {
         std::fs::write(path, &text).with_context(|| format!("cannot write {}", path.display()))?;
     }
+    std::process::exit(verdict(&trial, pauses.longest()))
+}
+
+/// Says what is missing; the exit code.
+fn verdict(trial: &Trial, longest: Duration) -> i32 {
     if trial.judged.is_late() {
         eprintln!("the service began after the program: encoder and axes are not judged");
     }
     let ((missing, unreported), counts) = (trial.judged.missing(), &trial.judged.counts);
     match (missing, counts.lost, counts.uncounted) {
-        (0, 0, 0) => return Ok(()),
+        (0, 0, 0) => return 0,
         (0, 1.., _) => {
             let lost = counts.lost;
             match trial.judged.overcounted() {
@@ -122,8 +154,7 @@ fn main() -> anyhow::Result<()> {
              no number"
         ),
     }
-    let longest = pauses.longest();
-    std::process::exit(match (unreported, longest > TOO_LONG) {
+    match (unreported, longest > TOO_LONG) {
         (1.., _) => LOST_IN_SILENCE,
         (0, true) => {
             let rates = "whether the service keeps up with these rates is not judged";
@@ -131,7 +162,34 @@ fn main() -> anyhow::Result<()> {
             TOO_SLOW_TO_JUDGE
         }
         (0, false) => LOST_AND_REPORTED,
-    })
+    }
+}
+
+/// Of two exit codes that of the worse trial; one that cannot be judged hides no loss in silence.
+fn severest(a: i32, b: i32) -> i32 {
+    let order = [LOST_IN_SILENCE, TOO_SLOW_TO_JUDGE, LOST_AND_REPORTED];
+    order.into_iter().find(|code| [a, b].contains(code)).unwrap_or(0)
+}
+
+/// One cycle.
+#[derive(Clone, Copy)]
+struct Order<'a> {
+    /// Its length, s.
+    seconds: f64,
+    rates: Rates,
+    /// A probe is silent for a second.
+    is_faulty: bool,
+    page: Option<&'a Page>,
+    /// Folder of ports and configuration.
+    folder: &'a Path,
+    recordings: &'a Path,
+}
+
+impl<'a> Order<'a> {
+    /// At full rate, without a page.
+    fn full(folder: &'a Path, recordings: &'a Path) -> Self {
+        Self { seconds: 600.0, rates: Rates::FULL, is_faulty: false, page: None, folder, recordings }
+    }
 }
 
 /// After the cycle: rewriting the recording and reading it back.
@@ -139,14 +197,11 @@ const FINISH_LIMIT: Duration = Duration::from_secs(300);
 /// From the finished file to the line in the log.
 const LINE_LIMIT: Duration = Duration::from_secs(300);
 
-async fn trial(seconds: f64, is_low: bool, folder: &Path, recordings: &Path) -> anyhow::Result<Trial> {
-    let rates = if is_low { Rates::LOW } else { Rates::FULL };
-    let floor = Floor::start(
-        Order { seconds, rates, is_faulty: is_low, pause_s: None, tables: "" },
-        folder,
-        recordings,
-    )
-    .await?;
+async fn trial(order: Order<'_>) -> anyhow::Result<Trial> {
+    let Order { seconds, rates, is_faulty, page, folder, recordings } = order;
+    let tables = page.map_or(String::new(), |page| format!("\n[page]\nlisten = \"{}\"\n", page.address));
+    let of_floor = floor::Order { seconds, rates, is_faulty, pause_s: None, tables: &tables };
+    let floor = Floor::start(of_floor, folder, recordings).await?;
     let program = std::env::current_exe().context("where is this program?")?;
     let log = folder.join("service.log");
     let output = std::fs::File::create(&log).with_context(|| format!("cannot write {}", log.display()))?;
@@ -161,11 +216,16 @@ async fn trial(seconds: f64, is_low: bool, folder: &Path, recordings: &Path) -> 
     let mut watch = Watch::new(child.0.id());
     floor.until_begin().await;
     let begun = Instant::now();
+    let visitors = page.map(|page| Visitors::start(page, floor.duration_s)).transpose()?;
     while begun.elapsed().as_secs_f64() < floor.duration_s {
         watch.sample().context("reading the time and memory of the service")?;
         tokio::time::sleep(Duration::from_secs(1)).await;
     }
     watch.sample()?;
+    let at_page = match visitors {
+        Some(visitors) => Some(visitors.leave().await?),
+        None => None,
+    };
     let finished = finished(recordings, &mut child).await;
     // The line about the queues follows the file.
     let queues = async {
@@ -187,7 +247,7 @@ async fn trial(seconds: f64, is_low: bool, folder: &Path, recordings: &Path) -> 
     floor.shutdown().await;
     drop(child);
     let release = !cfg!(debug_assertions);
-    Ok(Trial { rates, judged, bytes_not_taken, watch, queues, release })
+    Ok(Trial { rates, judged, bytes_not_taken, watch, queues, at_page, release })
 }
 
 async fn finished(folder: &Path, child: &mut Stopped) -> anyhow::Result<PathBuf> {

@@ -1,8 +1,10 @@
 //! `docs/measured/load.md`.
 
 use crate::Trial;
+use crate::attack;
 use crate::floor::{FEEDS_DEG_PER_MIN, Rates};
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// The whole document.
 pub fn document(trial: &Trial) -> String {
@@ -20,6 +22,68 @@ pub fn document(trial: &Trial) -> String {
     );
     text += &streams(trial);
     text += &cost(trial);
+    text
+}
+
+/// Two cycles side by side: in quiet, and with the page attacked.
+pub fn flood(quiet: &Trial, attacked: &Trial) -> String {
+    let Rates { probe_hz, encoder_hz, axes_hz } = quiet.rates;
+    let mut text = format!(
+        "# The page attacked while samples are taken\n\n\
+         Written by `cargo run --release -p trunnion-tests --bin load-trial -- --flood --markdown FILE`. Two cycles of {:.0} s with three probes at \
+         {probe_hz} Hz, an encoder at {encoder_hz} Hz and axes at {axes_hz} Hz ([load](load.md)), each with somebody at the page who reads its events. \
+         During the second a process of its own attacks the page from {} addresses of this computer, each kind of attack alone and in the end all at \
+         once, for equal times. {} build.\n\n\
+         ## Samples\n\n| | in quiet | attacked |\n|---|---:|---:|\n",
+        quiet.judged.seconds,
+        attack::ADDRESSES,
+        if quiet.release { "Optimised" } else { "Development" },
+    );
+    let mut row = |words: &str, of: &dyn Fn(&Trial) -> String| {
+        text += &format!("| {words} | {} | {} |\n", of(quiet), of(attacked));
+    };
+    for (k, stream) in quiet.judged.counts.streams.iter().enumerate() {
+        row(&format!("{}: expected", stream.name), &|trial| {
+            trial.judged.compared(&trial.judged.counts.streams[k]).0.to_string()
+        });
+        row(&format!("{}: missing", stream.name), &|trial| {
+            let (expected, recorded) = trial.judged.compared(&trial.judged.counts.streams[k]);
+            expected.saturating_sub(recorded).to_string()
+        });
+    }
+    row("gaps", &|trial| trial.judged.counts.gaps.len().to_string());
+    row("samples recorded as lost", &|trial| trial.judged.counts.lost.to_string());
+    row("bytes not taken from the devices in time", &|trial| trial.bytes_not_taken.to_string());
+    row("points", &|trial| trial.judged.counts.points.to_string());
+    row("processor of the service, cores", &|trial| format!("{:.3}", trial.watch.cores()));
+    row("memory of the service at most, MiB", &|trial| {
+        format!("{:.1}", trial.watch.samples.last().map_or(f64::NAN, |sample| sample.peak_mib))
+    });
+    row("most messages waiting, drivers to cycle (of 32 768)", &|trial| trial.queues.drivers.to_string());
+    row("most messages waiting, cycle to recorder (of 32 768)", &|trial| trial.queues.recorder.to_string());
+    let reader = |trial: &Trial| trial.at_page.as_ref().map(|seen| Arc::clone(&seen.reader));
+    row("events that the reader of the page got", &|trial| {
+        reader(trial).map_or(String::new(), |reader| reader.messages().to_string())
+    });
+    row("its longest wait for one, ms", &|trial| {
+        reader(trial).map_or(String::new(), |reader| reader.longest_wait_ms().to_string())
+    });
+    row("its connections", &|trial| {
+        reader(trial).map_or(String::new(), |reader| reader.connections().to_string())
+    });
+    text + "\n" + &attempts(attacked)
+}
+
+/// What each attack got.
+fn attempts(attacked: &Trial) -> String {
+    let mut text = String::from("## Attempts\n\n| attack | attempts | got |\n|---|---:|---|\n");
+    for (words, got) in attacked.at_page.iter().flat_map(|seen| &seen.attempts) {
+        let mut answers: Vec<_> = got.iter().collect();
+        answers.sort_by_key(|(_, count)| std::cmp::Reverse(**count));
+        let answers: Vec<String> =
+            answers.iter().map(|(answer, count)| format!("{answer}: {count}")).collect();
+        text += &format!("| {words} | {} | {} |\n", got.values().sum::<u64>(), answers.join("; "));
+    }
     text
 }
 
