@@ -17,6 +17,7 @@ mod glossary;
 mod house;
 #[path = "../../../crates/cycles/tests/all/nc/interpreter.rs"]
 mod interpreter;
+mod late_rows;
 mod licences;
 mod load;
 mod many_cycles;

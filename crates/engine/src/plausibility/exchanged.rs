@@ -24,6 +24,8 @@ const GROSS_REPEATABILITIES: f64 = 5.0;
 /// What leaves no more than this times the least explains as much: the simpler mistake, tried first, is named. A free angle takes up a
 /// little of every effect.
 const AS_GOOD: f64 = 1.25;
+/// What is left is no more than readings repeat where it exceeds that by no more than so many standard deviations of it.
+const SURE: f64 = 3.0;
 
 /// The mistake with which readings and positions belong together.
 pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
@@ -47,6 +49,34 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
         ),
         hypothesis: format!("With {mistake}, {left_um:.1} µm are left. Change it?"),
         rms_um_with_it: Some(left_um),
+    })
+}
+
+/// Readings on the fly that are one row late or early. A row is a step of some degrees, by which errors of micrometres hardly change: what is
+/// left is never gross. It is named where the shifted readings fit as well as they repeat: physics would have to be, at every angle and
+/// feed, what one row makes of all other errors. No hidden physics of four sizes was taken for it (tests/tests/all/late_rows.rs).
+pub(super) fn by_one_row(looked: &Looked) -> Option<Implausible> {
+    let Looked { run, experiment, model, .. } = looked;
+    if run.kind != RunKind::OnTheFly {
+        return None;
+    }
+    let repeated = repeatability(experiment, &passes(experiment))?;
+    let before_mm = model.rms_mm(&experiment.readings_mm());
+    let tried = Trial { run, experiment, model }.shifted(None);
+    let (mistake, left_mm) = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    // The variance of so many repeats has the relative standard deviation √(2/ν) [normal distribution].
+    let chance = SURE * (2.0 / repeated.degrees_of_freedom.max(1) as f64).sqrt();
+    let fits = left_mm.powi(2) <= repeated.sigma_mm.powi(2) * (1.0 + chance);
+    (fits && before_mm > AS_GOOD * left_mm).then(|| {
+        let [before_um, left_um, repeat_um] = [before_mm, left_mm, repeated.sigma_mm].map(um_from_mm);
+        Implausible {
+            finding: format!(
+                "{}: the readings do not fit their positions: {before_um:.2} µm rms are left, and they repeat within {repeat_um:.2} µm.",
+                run.name
+            ),
+            hypothesis: format!("With {mistake}, {left_um:.2} µm are left. Change it?"),
+            rms_um_with_it: Some(left_um),
+        }
     })
 }
 
@@ -154,6 +184,7 @@ impl Trial<'_> {
     fn late(&self, setup: Option<usize>, which: &str, probes: &[usize]) -> Vec<Tried> {
         let own = self.points_of(setup);
         let points = &self.experiment.points;
+        let of = if self.run.kind == RunKind::Static { "pose" } else { "row" };
         let by_one = |earlier: bool| {
             self.left_mm(|readings| {
                 for pair in own.windows(2) {
@@ -163,8 +194,8 @@ impl Trial<'_> {
             })
         };
         vec![
-            (format!("{which} shifted one row earlier: they are one pose late"), by_one(true)),
-            (format!("{which} shifted one row later: they are one pose early"), by_one(false)),
+            (format!("{which} shifted one row earlier: they are one {of} late"), by_one(true)),
+            (format!("{which} shifted one row later: they are one {of} early"), by_one(false)),
         ]
     }
 

@@ -28,7 +28,10 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     if !found.is_empty() {
         return found;
     }
-    looked.iter().filter_map(|looked| exchanged::exchanged(looked).or_else(|| path::left(looked))).collect()
+    let of_run = |looked| {
+        exchanged::exchanged(looked).or_else(|| exchanged::by_one_row(looked)).or_else(|| path::left(looked))
+    };
+    looked.iter().filter_map(of_run).collect()
 }
 
 /// Readings that depend neither on the pose nor on those before: backlash differs at one pose, and so does drift, but not from one

@@ -1,0 +1,91 @@
+//! Sweeps whose readings belong to the row before: named, and no good sweep with whatever physics is taken for one.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use trunnion_core::{Point, Quality};
+use trunnion_cycles::{Cycle, Pace, Run};
+use trunnion_engine::plausibility::implausible;
+use trunnion_hil_sim::physics::hidden::ids;
+use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine};
+use trunnion_machine::shipped;
+
+const CYCLE: &str = include_str!("../../../config/cycles/r-test-sweep-c.toml");
+/// Machines, each with its errors of place and settings.
+const SEEDS: u64 = 40;
+/// White noise of a point, mm.
+const NOISE_MM: f64 = 0.3e-3;
+/// Sizes of hidden physics, in units of a usual one: small ones resemble what a row does.
+const SIZES: [f64; 4] = [0.05, 0.1, 0.3, 1.0];
+
+/// A sweep of 3° a row at the slower feed.
+fn swept(seed: u64, hidden: &[HiddenChoice]) -> Option<Run> {
+    let machine = shipped::machine("table-bc").unwrap();
+    let cycle = Cycle::parse("sweep.toml", CYCLE).unwrap();
+    let of = |setup: &trunnion_core::Setup| {
+        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::R_TEST)
+    };
+    let setups: Vec<SimSetup> = cycle.setups.iter().map(of).collect();
+    let truth = Truth::draw(&machine, &setups, hidden, 60.0, seed).ok()?;
+    let world = VirtualMachine::new(machine.clone(), truth).unwrap();
+    let states = cycle.visits(&machine, &Pace { points_per_s: 10.0, ..Pace::default() }).unwrap().states;
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let point = |state: trunnion_core::State| {
+        let reading_mm = world.ideal_reading_mm(state.setup, &state);
+        let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };
+        let reading_mm = reading_mm.map(|mm| mm + NOISE_MM * noise());
+        Point { state, reading_mm, spread_mm: [0.0; 3], samples: 1, quality: Quality::Good }
+    };
+    let points = states.into_iter().map(point).collect();
+    let kind = cycle.run_kind();
+    Some(Run { name: "run".into(), machine, kind, setups: cycle.setups, channels: vec![], points })
+}
+
+/// Readings one row late or, negative, early.
+fn shifted(run: &Run, by: isize) -> Run {
+    let mut shifted = run.clone();
+    let last = run.points.len() as isize - 1;
+    for (k, point) in shifted.points.iter_mut().enumerate() {
+        point.reading_mm = run.points[(k as isize - by).clamp(0, last) as usize].reading_mm;
+    }
+    shifted
+}
+
+#[test]
+fn readings_of_a_sweep_one_row_late_are_named_and_no_good_sweep_is_doubted() {
+    let (mut named, mut alike) = (0, 0);
+    for seed in 0..SEEDS {
+        let good = swept(seed, &[]).unwrap();
+        assert_eq!(implausible(std::slice::from_ref(&good)), [], "seed {seed}");
+        for (by, words) in [(1, "one row late"), (-1, "one row early")] {
+            match implausible(&[shifted(&good, by)]).as_slice() {
+                [one] => {
+                    assert!(
+                        one.hypothesis.contains(words) && one.hypothesis.contains("Change it?"),
+                        "{one:?}"
+                    );
+                    named += 1;
+                }
+                // Errors so small that a row changes nothing.
+                [] => alike += 1,
+                several => panic!("seed {seed}: {several:?}"),
+            }
+        }
+    }
+    println!("{named} named, {alike} alike");
+    assert!(named >= 4 * alike, "{named} named, {alike} alike");
+}
+
+#[test]
+fn no_physics_of_a_good_sweep_is_taken_for_a_late_row() {
+    let mut looked = 0;
+    for id in ids() {
+        for (seed, sigma) in (100..).zip(SIZES) {
+            // What this machine cannot have, or this cycle not show.
+            let Some(run) = swept(seed, &[HiddenChoice { id: id.clone(), sigma }]) else { continue };
+            assert_eq!(implausible(&[run]), [], "{id} of {sigma}, seed {seed}");
+            looked += 1;
+        }
+    }
+    assert!(looked > 40, "{looked} runs say little");
+}
