@@ -11,6 +11,9 @@ use tokio::net::TcpStream;
 /// From losing what is read to asking again.
 const AGAIN: Duration = Duration::from_secs(1);
 
+/// The answer of a run is larger than the library takes by itself, bytes.
+const LARGEST_MESSAGE: usize = 1 << 20;
+
 /// What one of them got.
 #[derive(Default)]
 pub struct Received {
@@ -76,6 +79,7 @@ pub async fn broker(port: u16, received: Arc<Received>) {
     loop {
         let mut options = MqttOptions::new("soak", "127.0.0.1", port);
         options.set_keep_alive(Duration::from_secs(5));
+        options.set_max_packet_size(LARGEST_MESSAGE, LARGEST_MESSAGE);
         let (client, mut polled) = AsyncClient::new(options, 16);
         if let Err(error) = client.subscribe("trunnion/#", QoS::AtMostOnce).await {
             eprintln!("broker: {error}");
