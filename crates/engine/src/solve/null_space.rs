@@ -240,15 +240,6 @@ impl Work<'_> {
         if of.is_empty() {
             return;
         }
-        // A scaled parameter at 1, as a part of its longest; the same of lengths and angles of the machine, 0 for others.
-        let of_longest: Vec<f64> = of.iter().map(|&j| self.of_longest(j)).collect();
-        let is_error = |j: &usize| {
-            !self.settings.contains(j) && matches!(self.parameters[*j].unit, Unit::UM | Unit::URAD)
-        };
-        let error_or_0 = |(k, j): (usize, &usize)| if is_error(j) { of_longest[k] } else { 0.0 };
-        let of_usual: Vec<f64> = of.iter().enumerate().map(error_or_0).collect();
-        let Null { vectors, weak, off, least, root_cofactor } =
-            null(self.reduced, &of, &of_usual, self.limits);
         let place = |j: usize| of.iter().position(|&k| k == j);
         let named = |zero: &Zero| of.iter().position(|&j| self.parameters[j].name == zero.name);
         let (mut preferred, mut standing, mut first) = (Vec::new(), Vec::new(), Vec::new());
@@ -259,6 +250,17 @@ impl Work<'_> {
             }
             Pivots::Added(added) => first = added.iter().filter_map(|&j| place(j)).collect(),
         }
+        // A scaled parameter at 1, as a part of its longest; the same of errors that a machine is aligned to, 0 for others. Nobody aligns a cause: two
+        // drifts of nearly one time constant are uncertain by millimetres, and what they do together is seen.
+        let of_longest: Vec<f64> = of.iter().map(|&j| self.of_longest(j)).collect();
+        let is_aligned = |k: usize, j: &usize| {
+            let is_error = matches!(self.parameters[*j].unit, Unit::UM | Unit::URAD);
+            is_error && !self.settings.contains(j) && !first.contains(&k)
+        };
+        let of_usual: Vec<f64> =
+            of.iter().enumerate().map(|(k, j)| if is_aligned(k, j) { of_longest[k] } else { 0.0 }).collect();
+        let Null { vectors, weak, off, least, root_cofactor } =
+            null(self.reduced, &of, &of_usual, self.limits);
         self.datum.rank = of.len() - vectors.nrows();
         let counts: Vec<f64> = of.iter().map(|&j| self.count(j)).collect();
         let noise_mm = self.limits.noise_mm();
@@ -284,8 +286,7 @@ impl Work<'_> {
             let mut widened = Vec::new();
             if share_of(&row) == Share::Nobody {
                 let little = |k: usize, entry: f64| entry.abs() * longest * of_usual[k] < LITTLE;
-                widened =
-                    row.leave_out(|k, entry| of_usual[k] > 0.0 && !first.contains(&k) && little(k, entry));
+                widened = row.leave_out(|k, entry| of_usual[k] > 0.0 && little(k, entry));
             }
             let (share, others) = (share_of(&row), row.others());
             let conventional = matches!(share, Share::Others | Share::Mounting);
@@ -372,3 +373,6 @@ fn null(reduced: &Reduced, of: &[usize], of_usual: &[f64], limits: &Limits<'_>) 
     let root_cofactor = |j: usize| seen.iter().map(|&i| (v_t[(i, j)] / sigma[i]).powi(2)).sum::<f64>().sqrt();
     Null { vectors, weak, off, least, root_cofactor: (0..of.len()).map(root_cofactor).collect() }
 }
+
+#[cfg(test)]
+mod tests;
