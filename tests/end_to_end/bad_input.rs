@@ -1,6 +1,6 @@
 //! Bad input through the binary: file, line, what was found, what is allowed; exit codes of the contract.
 
-use crate::program::answer;
+use crate::program::{answer, written};
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -95,11 +95,7 @@ fn a_reader_that_goes_away_is_no_failure() {
 #[test]
 fn a_broken_configuration_machine_and_model_are_refused_with_their_lines() {
     let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| {
-        let path = folder.path().join(name);
-        std::fs::write(&path, text).unwrap();
-        path.display().to_string()
-    };
+    let write = |name: &str, text: &str| written(folder.path(), name, text);
     let config = include_str!("../../config/trunnion.toml").replace("rate_khz = 1\n", "rate_khz = 99\n");
     check_refused(&["check-config", &write("trunnion.toml", &config)], &["trunnion.toml:", "rate_khz", "99"]);
 

@@ -1,16 +1,12 @@
 //! A calibrated length of a bar, and a configuration that does not say from where the bar counts.
 
 use crate::bad_input::check_refused;
-use crate::program::answer;
+use crate::program::{answer, written};
 
 #[test]
 fn a_calibrated_length_asks_what_the_bar_shows_at_it() {
     let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| {
-        let path = folder.path().join(name);
-        std::fs::write(&path, text).unwrap();
-        path.display().to_string()
-    };
+    let write = |name: &str, text: &str| written(folder.path(), name, text);
     let calibrated = include_str!("../../config/cycles/s4-c.toml");
     let cycle = write("s4-c.toml", calibrated);
     let config = |bar: &str| {

@@ -39,6 +39,13 @@ pub fn json(args: &[&str]) -> Value {
     serde_json::from_str(&trunnion(args)).expect("it writes JSON")
 }
 
+/// Writes a file into `folder`: its path.
+pub fn written(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, text).expect("the folder takes files");
+    path.display().to_string()
+}
+
 /// A folder of the outside data.
 pub fn data(set: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data")).join(set)

@@ -1,7 +1,7 @@
 //! A service whose bar counts from another zero than its configuration says: a doubt with the first points, and no verdict.
 
 use crate::bar_program::{BarProgram, mounted};
-use crate::bars_in_service::{LATER_S, OPERATOR_S, cell, quick};
+use crate::bars_in_service::{LATER_S, OPERATOR_S, cell, floor, quick};
 use crate::service::measured;
 use std::path::Path;
 use std::sync::Arc;
@@ -9,8 +9,6 @@ use trunnion::results::Verdict;
 use trunnion_cycles::Cycle;
 use trunnion_hil_sim::devices::Later;
 use trunnion_hil_sim::devices::canopen::NodeKind;
-use trunnion_hil_sim::devices::cell::CellConfig;
-use trunnion_hil_sim::devices::mtconnect::Shown;
 use trunnion_hil_sim::{Truth, VirtualMachine};
 use trunnion_machine::shipped;
 
@@ -32,18 +30,10 @@ async fn a_bar_that_counts_from_another_zero_is_doubted_at_once_and_never_judged
     let truth = Truth::draw(&machine, &mounted(&cycle), &[], duration_s, 7).unwrap();
     let world = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
     let shop = |folder: &Path| {
-        let mut floor = CellConfig { probes: Vec::new(), ..CellConfig::new(folder, 0) };
+        let mut floor = floor(folder, &program, &machine);
         let (bus, _) = floor.can.as_mut().unwrap();
         let NodeKind::BallBar { zero_mm, .. } = &mut bus.nodes[0].kind else { panic!("a ball bar") };
         *zero_mm = SHOWN_MM;
-        let (agent, _) = floor.controller.as_mut().unwrap();
-        agent.axes = machine.joints();
-        let stop = |&(from_s, to_s): &(f64, f64)| Shown {
-            from_s: LATER_S + from_s,
-            to_s: LATER_S + to_s,
-            execution: "PROGRAM_STOPPED",
-        };
-        agent.shown = program.stops_s.iter().map(stop).collect();
         (Later { world: cell("s4-c", &program, &world), by_s: LATER_S }, floor)
     };
     let (_folder, paths) = measured(&text, 1, shop).await;

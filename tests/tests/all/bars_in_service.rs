@@ -89,6 +89,20 @@ async fn ball_bar_cycles_behind_an_slcan_adapter_end_in_the_values_of_the_machin
     }
 }
 
+/// The floor of a program: a bar on the bus and no probes, and a controller that stops where the program does.
+pub fn floor(folder: &Path, program: &BarProgram, machine: &Machine) -> CellConfig {
+    let mut floor = CellConfig { probes: Vec::new(), ..CellConfig::new(folder, 0) };
+    let (agent, _) = floor.controller.as_mut().unwrap();
+    agent.axes = machine.joints();
+    let stop = |&(from_s, to_s): &(f64, f64)| Shown {
+        from_s: LATER_S + from_s,
+        to_s: LATER_S + to_s,
+        execution: "PROGRAM_STOPPED",
+    };
+    agent.shown = program.stops_s.iter().map(stop).collect();
+    floor
+}
+
 /// Measures a cycle; its line of the table.
 async fn row(case: &Case) -> String {
     let path = workspace_root().join(format!("config/cycles/{}.toml", case.cycle));
@@ -103,16 +117,10 @@ async fn row(case: &Case) -> String {
     let truth = Truth::draw(&machine, &mounted(&cycle), &[], duration_s, 7).unwrap();
     let world = Arc::new(VirtualMachine::new(machine.clone(), truth.clone()).unwrap());
     let shop = |folder: &Path| {
-        let mut floor = CellConfig { probes: Vec::new(), ..CellConfig::new(folder, 0) };
-        let (agent, _) = floor.controller.as_mut().unwrap();
-        agent.axes = machine.joints();
-        let stop = |&(from_s, to_s): &(f64, f64)| Shown {
-            from_s: LATER_S + from_s,
-            to_s: LATER_S + to_s,
-            execution: "PROGRAM_STOPPED",
-        };
-        agent.shown = program.stops_s.iter().map(stop).collect();
-        (Later { world: cell(case.cycle, &program, &world), by_s: LATER_S }, floor)
+        (
+            Later { world: cell(case.cycle, &program, &world), by_s: LATER_S },
+            floor(folder, &program, &machine),
+        )
     };
     let (_folder, paths) = measured(&text, 1, shop).await;
 
