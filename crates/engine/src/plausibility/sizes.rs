@@ -79,21 +79,23 @@ fn bar_zero(run: &Run) -> Option<Implausible> {
         let alike = of_bars.iter().filter(|point| length(point) == of_one[0]);
         let readings_mm: Vec<f64> = alike.map(|point| point.reading_mm[0]).collect();
         let zero_mm = statistics::median(&readings_mm)?;
-        let near: Vec<f64> = readings_mm.iter().map(|mm| mm - zero_mm).filter(|mm| mm.abs() < SET_BY_HAND_MM).collect();
+        let off_mm = readings_mm.iter().map(|mm| mm - zero_mm);
+        let near: Vec<f64> = off_mm.filter(|mm| mm.abs() < SET_BY_HAND_MM).collect();
         let is_zero = zero_mm.abs() > SET_BY_HAND_MM && near.len() as f64 >= MOSTLY * readings_mm.len() as f64;
         let left_um = um_from_mm(statistics::rms(near)?);
         is_zero.then(|| Implausible {
             finding: format!(
-                "{}: the bar reads {} mm from its calibrated length of {} mm in every pose ({} points), farther than balls set by hand are.",
+                "{}: the bar reads {} mm from its calibrated length of {} mm in every pose ({} points), farther than balls set \
+                 by hand are.",
                 run.name,
                 signed(zero_mm, 3),
                 of_one[0],
                 readings_mm.len()
             ),
             hypothesis: format!(
-                "With the zero of the bar, {} mm, taken off the readings, {left_um:.1} µm are left. Change it? It is zero_mm of the device where the \
-                 bar was read live, else it is in the column dr. Where another bar was in, correct bar_length_mm; where nobody calibrated it, \
-                 remove calibrated = true.",
+                "With the zero of the bar, {} mm, taken off the readings, {left_um:.1} µm are left. Change it? It is zero_mm of \
+                 the device where the bar was read live, else it is in the column dr. Where another bar was in, correct \
+                 bar_length_mm; where nobody calibrated it, remove calibrated = true.",
                 signed(zero_mm, 3)
             ),
             rms_um_with_it: Some(left_um),

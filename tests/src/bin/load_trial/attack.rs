@@ -191,7 +191,12 @@ async fn read(stream: &mut TcpStream, goes_on: bool) -> String {
     if timeout(PATIENCE, whole).await.is_err() && read == 0 {
         return format!("nothing for {} s", PATIENCE.as_secs());
     }
-    let text = String::from_utf8_lossy(&bytes[..read]);
+    status(&bytes[..read])
+}
+
+/// The status of an answer that begins so.
+fn status(first: &[u8]) -> String {
+    let text = String::from_utf8_lossy(first);
     match text.split(' ').nth(1) {
         Some(status) if text.starts_with("HTTP/") => status.into(),
         _ => CLOSED.into(),
@@ -235,10 +240,8 @@ async fn filled(stream: &mut TcpStream, head: &str, part: &[u8]) -> String {
     tokio::select! {
         read = timeout(PATIENCE, reading.read(&mut first)) => match read {
             Err(_) => format!("taken for {} s", PATIENCE.as_secs()),
-            Ok(Ok(read)) if read > 0 => {
-                String::from_utf8_lossy(&first[..read]).split(' ').nth(1).unwrap_or(CLOSED).into()
-            }
-            Ok(_) => CLOSED.into(),
+            Ok(Ok(read)) => status(&first[..read]),
+            Ok(Err(_)) => CLOSED.into(),
         },
         () = fill => read_rest(&mut reading).await,
     }
@@ -248,9 +251,7 @@ async fn filled(stream: &mut TcpStream, head: &str, part: &[u8]) -> String {
 async fn read_rest(reading: &mut (impl AsyncReadExt + Unpin)) -> String {
     let mut first = [0; 64];
     match timeout(PATIENCE, reading.read(&mut first)).await {
-        Ok(Ok(read)) if read > 0 => {
-            String::from_utf8_lossy(&first[..read]).split(' ').nth(1).unwrap_or(CLOSED).into()
-        }
+        Ok(Ok(read)) => status(&first[..read]),
         _ => CLOSED.into(),
     }
 }

@@ -205,9 +205,12 @@ pub fn count(path: &Path, rates: Rates, duration_s: f64) -> anyhow::Result<Count
                 {
                     lost_of_any += gap.lost_samples.unwrap_or(0);
                 }
+                let lost = gap
+                    .lost_samples
+                    .map_or("number not known".to_owned(), |samples| format!("{samples} samples missing"));
                 gaps.push(format!(
-                    "{} {:.3} s to {:.3} s, lost {:?}: {}",
-                    gap.source, gap.from_s, gap.to_s, gap.lost_samples, gap.reason
+                    "{} {:.3} s to {:.3} s, {lost}: {}",
+                    gap.source, gap.from_s, gap.to_s, gap.reason
                 ));
             }
             Item::Temperature(_) | Item::Event(_) => {}

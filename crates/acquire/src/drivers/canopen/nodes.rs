@@ -1,5 +1,7 @@
 //! The nodes while they measure: values to readings, SYNC numbers, heartbeats, silence.
 
+mod answers;
+
 use super::description::NodeConfig;
 use crate::link::Link;
 use crate::session_end::SessionEnd;
@@ -353,6 +355,5 @@ enum NoValue {
     Marked(RawBits),
 }
 
-mod answers;
 #[cfg(test)]
 mod tests;
