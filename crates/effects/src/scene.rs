@@ -20,7 +20,7 @@ pub struct Scene {
     pub channels: Vec<String>,
     /// First and last time of the points, s; `None` when the points have no time.
     pub time_range_s: Option<(f64, f64)>,
-    /// Times of the points in order, s, at most [`TIMES_KEPT`] of them, evenly chosen; empty where `time_range_s` is `None`.
+    /// Times of the points in order, s, at most `TIMES_KEPT` of them, evenly chosen; empty where `time_range_s` is `None`.
     pub times_s: Vec<f64>,
     /// Smallest and largest commanded position of each axis, mm and rad.
     pub position_range: AxisValues<(f64, f64)>,
