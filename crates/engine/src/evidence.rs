@@ -8,11 +8,14 @@
 //! P has the columns of the model projected out: a direction that the model imitates has λ ≈ 0 and adds nothing.
 
 mod algebra;
+mod of_some;
 
 pub use algebra::{joined, log_mean_exp, orthonormal, parallel, turned};
+pub use of_some::of_some_ln;
 
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
+use algebra::{NO_DIRECTION, turn};
 use nalgebra::{DMatrix, DVector};
 
 /// Prior sizes of an effect, rms over the readings in units of the white noise: from what is hardly seen to what is obvious.

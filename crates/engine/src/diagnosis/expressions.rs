@@ -7,8 +7,9 @@ use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::{SHAPE_MAY_ADD_LN, Scored, term_price_ln};
 use crate::diagnosis::view::{Item, Relearned, View, What, weighed_relearned};
 use crate::diagnosis::vocabulary::{Screened, Term};
-use crate::evidence::{parallel, turned, weigh};
+use crate::evidence::{Weighed, parallel, turned, weigh};
 use nalgebra::DMatrix;
+use std::sync::Arc;
 
 /// Best terms of the grammar, at the learned noise and in a quiet one, whose bundles are looked at too.
 const FINALISTS: usize = 6;
@@ -27,19 +28,15 @@ pub fn best_term(scan: &Scan<'_>, view: &View, beat_ln: [f64; 2]) -> Option<Scor
             starts.push(start);
         }
     }
+    let first_best = |a: Scored, b: Scored| if b.item.ln_odds > a.item.ln_odds { b } else { a };
     let shaped = parallel(starts.len(), |i| {
         let start = starts[i];
         let shape = &scan.vocabulary.families[start.term.family].grid[start.shape];
-        let noise = view.relearned(scan, &turned(&columns(scan, &start.term, shape)?))?;
+        let noise = Arc::new(view.relearned(scan, &turned(&columns(scan, &start.term, shape)?))?);
         let relatives = shaped_relatives(scan, view, &start.term, &noise);
-        let first_best = |a: Scored, b: Scored| if b.item.ln_odds > a.item.ln_odds { b } else { a };
-        Some((relatives.into_iter().reduce(first_best)?, noise))
+        relatives.into_iter().reduce(first_best)
     });
-    let first_best = |a: (Scored, Relearned), b: (Scored, Relearned)| {
-        if b.0.item.ln_odds > a.0.item.ln_odds { b } else { a }
-    };
-    let (best, noise) = shaped.into_iter().flatten().reduce(first_best)?;
-    Some(with_siblings(scan, view, best, &noise))
+    Some(with_siblings(scan, view, shaped.into_iter().flatten().reduce(first_best)?))
 }
 
 /// The best terms on the grid, bundles included, best first.
@@ -91,7 +88,7 @@ fn columns(scan: &Scan<'_>, term: &Term, shape: &[f64]) -> Option<DMatrix<f64>> 
 }
 
 /// A term and its relatives at their best shapes; of the relatives only the most promising on their grids.
-fn shaped_relatives(scan: &Scan<'_>, view: &View, term: &Term, noise: &Relearned) -> Vec<Scored> {
+fn shaped_relatives(scan: &Scan<'_>, view: &View, term: &Term, noise: &Arc<Relearned>) -> Vec<Scored> {
     let families = &scan.vocabulary.families;
     let own = &families[term.family];
     let Some(form) = Form::new(scan, term.clone(), noise, &own.grid) else { return Vec::new() };
@@ -114,11 +111,11 @@ struct Form<'a> {
     term: Term,
     /// Best of its grid.
     start: Shaped,
-    noise: &'a Relearned,
+    noise: &'a Arc<Relearned>,
 }
 
 impl<'a> Form<'a> {
-    fn new(scan: &Scan<'_>, term: Term, noise: &'a Relearned, grid: &[Vec<f64>]) -> Option<Self> {
+    fn new(scan: &Scan<'_>, term: Term, noise: &'a Arc<Relearned>, grid: &[Vec<f64>]) -> Option<Self> {
         let mut start: Option<Shaped> = None;
         for shape in grid {
             let Some(columns) = columns(scan, &term, shape) else { continue };
@@ -148,7 +145,7 @@ fn scored(
     term: Term,
     shape: Vec<f64>,
     columns: DMatrix<f64>,
-    noise: &Relearned,
+    noise: &Arc<Relearned>,
 ) -> Scored {
     let block = turned(&columns);
     let weighed = weighed_relearned(noise, &block);
@@ -156,12 +153,12 @@ fn scored(
     let noticeable = !natural || view.share(scan, noise, &block) > natural_share(scan, view);
     let ln_odds = weighed.ln_bf - term_price_ln(scan, &term, &shape);
     let item = Item { what: What::Open(term), shape, columns, ln_odds };
-    let sigma = noise.mode.here.sigma.clone();
-    Scored { item, ln_bf: weighed.ln_bf, fit_ln: weighed.fit_ln, sigma, noticeable }
+    let Weighed { ln_bf, fit_ln } = weighed;
+    Scored { item, ln_bf, fit_ln, noise: noise.clone(), noticeable }
 }
 
 /// The same with fewer or further components of the same site, as long as that pays.
-fn with_siblings(scan: &Scan<'_>, view: &View, mut best: Scored, noise: &Relearned) -> Scored {
+fn with_siblings(scan: &Scan<'_>, view: &View, mut best: Scored) -> Scored {
     let What::Open(term) = best.item.what.clone() else { return best };
     for sibling in term.carriers.iter().copied().chain(scan.vocabulary.siblings(term.carriers[0])) {
         let What::Open(mut other) = best.item.what.clone() else { return best };
@@ -174,7 +171,7 @@ fn with_siblings(scan: &Scan<'_>, view: &View, mut best: Scored, noise: &Relearn
         }
         let shape = best.item.shape.clone();
         let Some(columns) = columns(scan, &other, &shape) else { continue };
-        let trial = scored(scan, view, other, shape, columns, noise);
+        let trial = scored(scan, view, other, shape, columns, &best.noise);
         if trial.item.ln_odds > best.item.ln_odds {
             best = trial;
         }

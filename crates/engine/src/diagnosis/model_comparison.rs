@@ -7,6 +7,7 @@ use crate::diagnosis::expressions::best_term;
 use crate::diagnosis::named::{first_named, named, price_ln};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
+use crate::diagnosis::sparse::sparse_ln_odds;
 use crate::diagnosis::view::View;
 use crate::diagnosis::views::{Seen, Views};
 use crate::evidence::joined;
@@ -56,7 +57,7 @@ fn best(
         .filter(|term| term.noticeable && term.item.ln_odds > claim_ln && !is_natural(named, term));
     let Some(term) = term else { return best };
     let Some(best) = best.filter(|best| best.item.ln_odds > claim_ln) else { return Some(term) };
-    if term.item.ln_odds <= best.item.ln_odds + CLEAR_LEAD_LN {
+    if term.item.ln_odds <= sparse_ln_odds(scan, &best) + CLEAR_LEAD_LN {
         return Some(best);
     }
     let covers = |scored: &&Scored| scored.noticeable && scored.fit_ln > term.fit_ln - SAME_FIT_LN;
@@ -94,10 +95,11 @@ fn several_do_better(
     let all_ln = |first: &Scored, enough_ln: f64| {
         let start = Start {
             chosen: joined(&view.chosen, &first.item.columns),
-            sigma: first.sigma.clone(),
+            sigma: first.sigma().clone(),
             taken: taken.iter().copied().chain(first.item.what.group()).collect(),
         };
-        first.item.ln_odds + following_ln(scan, views, start, claim_ln, enough_ln - first.item.ln_odds)
+        let first_ln = sparse_ln_odds(scan, first);
+        first_ln + following_ln(scan, views, start, claim_ln, enough_ln - first_ln)
     };
     let enough_ln = all_ln(term, f64::INFINITY) - CLEAR_LEAD_LN;
     let mut candidates = named.iter().filter(|scored| scored.noticeable).take(FIRST_OF_SEVERAL);
@@ -126,10 +128,10 @@ fn following_ln(scan: &Scan<'_>, views: &Views, start: Start, claim_ln: f64, eno
         if best.item.ln_odds <= claim_ln {
             break;
         }
-        sum_ln += best.item.ln_odds;
+        sum_ln += sparse_ln_odds(scan, &best);
         chosen = joined(&chosen, &best.item.columns);
         taken.extend(best.item.what.group());
-        sigma = best.sigma;
+        sigma = best.sigma().clone();
     }
     sum_ln
 }

@@ -7,6 +7,7 @@ use crate::diagnosis::view::{Item, OnGrid, View, What, weighed_relearned};
 use crate::diagnosis::views::Seen;
 use crate::evidence::{turned, weigh, weigh_all};
 use nalgebra::DMatrix;
+use std::sync::Arc;
 
 /// ln Bayes factors below this are "not worth more than a bare mention" [Kass 1995].
 pub const BARE_MENTION_LN: f64 = 1.0;
@@ -101,7 +102,7 @@ fn scored(scan: &Scan<'_>, view: &View, group: usize) -> Option<Scored> {
     let least = natural_share(scan, view);
     let noticeable = !named.natural || view.share(scan, &noise, &block) > least;
     let item = Item { what: What::Named(group), shape, columns, ln_odds: ln_bf - price_ln(scan, group) };
-    Some(Scored { item, ln_bf, fit_ln: at_best.fit_ln, sigma: noise.mode.here.sigma.clone(), noticeable })
+    Some(Scored { item, ln_bf, fit_ln: at_best.fit_ln, noise: Arc::new(noise), noticeable })
 }
 
 /// Share of the white variance up to which a repeatable motion is natural.

@@ -1,7 +1,7 @@
 //! An addition at its best shape with its score, and what choosing a shape costs.
 
 use crate::diagnosis::scan::Scan;
-use crate::diagnosis::view::Item;
+use crate::diagnosis::view::{Item, Relearned};
 use crate::diagnosis::vocabulary::{SIBLING_LN, Term};
 use crate::noise::learned::sigma::Sigma;
 use std::sync::Arc;
@@ -19,10 +19,17 @@ pub struct Scored {
     pub ln_bf: f64,
     /// How well it fits, whatever its columns cost, ln.
     pub fit_ln: f64,
-    /// Noise learned with it in the model.
-    pub sigma: Arc<Sigma>,
+    /// Learned with it in the model.
+    pub noise: Arc<Relearned>,
     /// False for a repeatable motion that is no larger than natural.
     pub noticeable: bool,
+}
+
+impl Scored {
+    /// Noise learned with it in the model.
+    pub fn sigma(&self) -> &Arc<Sigma> {
+        &self.noise.mode.here.sigma
+    }
 }
 
 /// Price of having chosen a shape, ln: one of `tries`, then between its points.

@@ -13,6 +13,7 @@ use crate::diagnosis::model_comparison::{Additions, additions};
 use crate::diagnosis::named::{named, price_ln, scored_each};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
+use crate::diagnosis::sparse::sparse_ln_odds;
 use crate::diagnosis::view::{Item, View, What, columns_of};
 use crate::diagnosis::views::{Seen, Views};
 use crate::evidence::joined;
@@ -136,9 +137,9 @@ impl State<'_> {
                 self.items.push(best.item.clone());
             }
             let sigma = if enough && self.items.len() > 1 && !is_further {
-                self.swap(&best.sigma)
+                self.swap(best.sigma())
             } else {
-                best.sigma.clone()
+                best.sigma().clone()
             };
             let Some(after) = self.views.of(self.scan, self.chosen(), &sigma) else { break };
             (view, on_trial) = (after, if enough { None } else { Some(ln_odds) });
@@ -250,9 +251,13 @@ impl State<'_> {
                 continue;
             }
             let now = scored_each(self.scan, &view, &[group]);
-            let now = now.first().map_or(-price_ln(self.scan, group), |scored| scored.item.ln_odds);
-            if best.item.ln_odds > now && (!best.item.is_open() || best.item.ln_odds > now + self.claim_ln) {
-                sigma = best.sigma.clone();
+            let now_ln = now.first().map_or(-price_ln(self.scan, group), |now| match best.item.what {
+                What::Named(_) => now.item.ln_odds,
+                What::Open(_) => sparse_ln_odds(self.scan, now),
+            });
+            let beat_ln = if best.item.is_open() { now_ln + self.claim_ln } else { now_ln };
+            if best.item.ln_odds > beat_ln {
+                sigma = best.sigma().clone();
                 self.items[i] = best.item;
             }
         }

@@ -6,7 +6,7 @@ use std::ops::Range;
 /// Threads used for a scan.
 const WORKERS: usize = 2;
 /// Eigenvalues of a Gram matrix of columns of norm one below this are directions that the columns do not have.
-const NO_DIRECTION: f64 = 1e-6;
+pub const NO_DIRECTION: f64 = 1e-6;
 /// Root mean square below which a column is round-off of nothing, mm times the root of a weight.
 const NOTHING: f64 = 1e-9;
 
@@ -26,13 +26,18 @@ fn one_round(columns: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
     if columns.ncols() == 0 {
         return columns.clone();
     }
-    let eigen = (columns.transpose() * columns).symmetric_eigen();
+    columns * turn(&(columns.transpose() * columns), least)
+}
+
+/// What turns columns of a Gram matrix to be orthonormal; directions with eigenvalues up to `least` are left out.
+pub fn turn(gram: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
+    let eigen = gram.clone().symmetric_eigen();
     let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|&j| eigen.eigenvalues[j] > least).collect();
     let mut turn = eigen.eigenvectors.select_columns(&kept);
     for (mut direction, &j) in turn.column_iter_mut().zip(&kept) {
         direction /= eigen.eigenvalues[j].sqrt();
     }
-    columns * turn
+    turn
 }
 
 /// Columns turned to be orthogonal with unit rms over all readings: one prior size then means the same for every effect.

@@ -5,10 +5,13 @@ use crate::common::{points_run, set};
 use nalgebra::{Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use trunnion_core::Joint;
+use std::f64::consts::TAU;
+use trunnion_core::{Joint, Point, Twist};
 use trunnion_effects::Model;
 use trunnion_engine::diagnosis::Options;
 use trunnion_engine::{Diagnosis, Experiment, Verdict, diagnose};
+use trunnion_instruments::predict;
+use trunnion_machine::{Errors, Site};
 
 /// The run without a hidden effect, of a simulator that shares no code with this program, on axes with these angles of Y to X, Z to X and Z to Y
 /// (E_C0Y, E_B0Z, E_A0Z) and these scales of X, Y and Z [ISO 230-1: signs of rotations].
@@ -65,4 +68,50 @@ fn squarenesses_and_scales_together_have_names() {
     assert_eq!(found.verdict, Verdict::MissingEffect, "{}", found.why);
     assert!(set(&found).iter().all(of_linear), "{:?}", set(&found));
     assert_eq!(found.set.len(), Options::default().look_ahead);
+}
+
+/// The run without a hidden effect, where the carriage of X pitches in proportion to its place and the raceway of C rocks twice a turn under the
+/// weight's share across the axis. Of six components of the pitch, yaw and roll of X one is there.
+fn with_pitch_and_loaded_tilt(pitch_urad: f64, tilt_urad: f64, phase: f64) -> Diagnosis {
+    let mut run = points_run("points-nothing-hidden");
+    let x = |point: &Point| point.state.position[Joint::X];
+    let (low, high) = run.points.iter().map(x).fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+    for point in &mut run.points {
+        let state = &point.state;
+        let s = (state.position[Joint::X] - 0.5 * (high + low)) / (0.5 * (high - low));
+        let [b, c] = [Joint::B, Joint::C].map(|axis| state.position[axis]);
+        let mut errors = Errors::default();
+        errors.add(Site::Joint(Joint::X), Twist::rotation(Vector3::new(0.0, 1e-6 * pitch_urad * s, 0.0)));
+        let (sin, cos) = (2.0 * c + phase).sin_cos();
+        errors.add(
+            Site::Joint(Joint::C),
+            Twist::rotation(1e-6 * tilt_urad * b.sin() * Vector3::new(cos, sin, 0.0)),
+        );
+        let setup = &run.setups[state.setup];
+        let moved = predict(&run.machine, setup, state, &errors)
+            - predict(&run.machine, setup, state, &Errors::default());
+        for (reading_mm, mm) in point.reading_mm.iter_mut().zip(moved.iter()) {
+            *reading_mm += mm;
+        }
+    }
+    let model = Model::base(&run.machine.name);
+    diagnose(&Experiment::new(&[run]).unwrap(), &model, &Options::default()).unwrap()
+}
+
+/// A name pays for six components where one is there; an expression pays for one.
+#[test]
+fn a_pitch_without_yaw_and_roll_has_its_name_next_to_another_effect() {
+    for seed in 1..=4 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let (pitch_urad, tilt_urad) = (rng.random_range(8.0..30.0), rng.random_range(4.0..15.0));
+        let found = with_pitch_and_loaded_tilt(pitch_urad, tilt_urad, rng.random_range(0.0..TAU));
+        assert_eq!(found.verdict, Verdict::MissingEffect, "{pitch_urad}, {tilt_urad}: {}", found.why);
+        assert_eq!(set(&found), ["angular-motion:X", "stacked-tilt:C"], "{pitch_urad}, {tilt_urad}");
+        let together = found.together.expect("two effects");
+        for turn in together.parameters.iter().filter(|parameter| parameter.effect == "angular-motion:X") {
+            let put_in = if turn.name == "EBX.P1" { pitch_urad } else { 0.0 };
+            let (value, u) = turn.value.zip(turn.u).expect("seen in this cycle");
+            assert!((value - put_in).abs() < 4.0 * u, "{} = {value} ± {u}, put in {put_in}", turn.name);
+        }
+    }
 }
