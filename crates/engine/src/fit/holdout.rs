@@ -1,7 +1,8 @@
 //! Held-out error: each unit predicted by the fit to the others.
 //!
 //! For each unit q the change δ of the fit without q follows from the normal equations of the other units; the residual of q
-//! with it is r_q − A_q δ. Directions that only q sees (its own ball setting) keep the value of the full fit. A unit of which
+//! with it is r_q − A_q δ. Directions that only q sees (its own ball setting), or that the others know so badly that their noise alone would
+//! outweigh that of q, keep the value of the full fit. A unit of which
 //! the others see no direction is not predicted by them and does not count; `None` when fewer than two do.
 
 use crate::fit::identification::Holdout;
@@ -13,6 +14,14 @@ use nalgebra::{DMatrix, DVector};
 const UNSEEN: f64 = 1e-6;
 /// Share of a direction of the other units below which a unit does not depend on it.
 const APART: f64 = 1e-9;
+
+/// The directions of what the others see in which they foretell a unit of so many rows, from its Gram matrix there. Where it knows a direction μ times as well
+/// as they do, their noise alone adds μ σ² to the squares of its rows: beyond μ = rows, more than those have of their own.
+fn foretold(gram: DMatrix<f64>, rows: usize) -> DMatrix<f64> {
+    let eigen = ((&gram + gram.transpose()) * 0.5).symmetric_eigen();
+    let known: Vec<usize> = (0..gram.ncols()).filter(|&i| eigen.eigenvalues[i] <= rows as f64).collect();
+    eigen.eigenvectors.select_columns(&known)
+}
 
 /// Root mean square of units predicted from the others, unweighted.
 pub(crate) fn holdout(sums: &Sums) -> Option<Holdout> {
@@ -27,9 +36,11 @@ pub(crate) fn holdout(sums: &Sums) -> Option<Holdout> {
         let change = if width > 0 {
             // Orthonormal directions of what the others see.
             let seen = Reduced::from_gram(&gram).orthonormal(UNSEEN);
-            if seen.tr_mul(&(&unit.gram * &seen)).trace() <= APART {
+            let mine = seen.tr_mul(&(&unit.gram * &seen));
+            if mine.trace() <= APART {
                 continue;
             }
+            let seen = seen * foretold(mine, unit.rows);
             &seen * seen.tr_mul(&score)
         } else {
             score
