@@ -70,6 +70,10 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
     if comes_back(sizes.pattern_um, repeatability) {
         return pattern(sizes.pattern_um, noise_um);
     }
+    let jumps_um = jumps_um(scan, found.last.null.x());
+    if jumps_um > natural_um(scan, sizes.white_um) {
+        return jumps(jumps_um, sizes.white_um);
+    }
     match (repeatability.allows(fit.rms_mm), units_differ(fit)) {
         (true, None) => return (Verdict::NoiseFloor, String::new(), String::new()),
         (true, Some(why)) => return undecided(why, &repeat),
@@ -117,6 +121,33 @@ fn pattern(pattern_um: f64, noise_um: f64) -> (Verdict, String, String) {
     (Verdict::UnnamedStructure, why, next.into())
 }
 
+/// Offsets of the readings from stop to stop, whatever angle the axis stops at. Repeats have them all, so no residual is too large for them; yet
+/// what moves by more than natural between two stops, and keeps still at each, is no noise of readings.
+fn jumps_um(scan: &Scan<'_>, x: &[f64]) -> f64 {
+    let kernels = &scan.remainder.kernels;
+    let of_readings = kernels.list.iter().zip(&x[1..]).filter(|(kernel, _)| kernel.is_station_of_readings());
+    let square: f64 = of_readings.map(|(_, ln)| (2.0 * ln).exp()).sum();
+    um_from_mm(x[0].exp() * scan.remainder.unit_mm) * square.sqrt()
+}
+
+/// Something that takes a new place at every stop.
+fn jumps(jumps_um: f64, white_um: f64) -> (Verdict, String, String) {
+    let why = format!(
+        "From stop to stop of the slow axis the readings jump by some {}, where those of one stop scatter by {}: something takes a new \
+         place each time. No effect or expression describes it.",
+        um(jumps_um),
+        um(white_um)
+    );
+    let next =
+        "Look at the seats of ball, nest and probes and at the clamping of the axes, then repeat this pass.";
+    (Verdict::UnnamedStructure, why, next.into())
+}
+
+/// Size up to which what comes back, or differs from stop to stop, is natural.
+fn natural_um(scan: &Scan<'_>, white_um: f64) -> f64 {
+    NATURAL_PATTERN * white_um * scan.remainder.kernels.single
+}
+
 /// True where a pattern of this size is larger than what differs from visit to visit. More than half of the mean square is then no noise, and
 /// the same in the next run; a residual says nothing of it, as what wanders is in it too. Averaging makes the noise smaller and the
 /// machine's natural motions not: what is natural is stated against a single reading [docs/design/statistics.md §1.1].
@@ -147,9 +178,8 @@ pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
 /// effect without a name does at every stop of an axis looks like either. Never where the model with all of it would get no all-clear.
 pub fn remainder_is_natural(scan: &Scan<'_>, fit: &Identification, found: &Found) -> bool {
     let sizes = noise_sizes(scan, found.last.null.x());
-    let natural_um = NATURAL_PATTERN * sizes.white_um * scan.remainder.kernels.single;
     let comes_back = |known| comes_back(sizes.pattern_um, known);
-    sizes.pattern_um.max(sizes.stations_um) <= natural_um
+    sizes.pattern_um.max(sizes.stations_um) <= natural_um(scan, sizes.white_um)
         && !fit.known_repeatability().is_some_and(comes_back)
 }
 

@@ -1,6 +1,11 @@
-//! What comes back at the poses is no noise: an all-clear needs it to be smaller than what repeats differ by.
+//! What comes back at the poses is no noise: an all-clear needs it to be smaller than what repeats differ by. Neither is what keeps still at a stop of
+//! an axis and has moved at the next one.
 
 use crate::common::points_run;
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 use trunnion_core::Joint;
 use trunnion_effects::Model;
@@ -64,4 +69,32 @@ fn a_smaller_pattern_is_natural_and_its_size_is_known() {
     let noise_um = found.residual.noise_um.expect("every pose was measured twice");
     let pattern_um = found.noise.pattern_um;
     assert!(pattern_um < noise_um && (pattern_um - 0.2).abs() < 0.08, "put in 0.18 µm, found {pattern_um}");
+}
+
+/// A ball that sits at either of two places, 3 µm apart, drawn anew whenever the table tilts. Repeats differ by it too, so that no residual is larger
+/// than they allow.
+#[test]
+fn a_seat_that_jumps_between_stops_gets_no_all_clear() {
+    for seed in 1..=4 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut run = points_run("points-nothing-hidden");
+        let apart = Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng)).normalize() * 3e-3;
+        let (mut tilt, mut there) = (f64::NAN, false);
+        for point in &mut run.points {
+            let b = point.state.position[Joint::B];
+            if b != tilt {
+                (tilt, there) = (b, rng.random_bool(0.5));
+            }
+            if there {
+                point.reading_mm.iter_mut().zip(apart.iter()).for_each(|(reading_mm, mm)| *reading_mm += mm);
+            }
+        }
+        let model = Model::base(&run.machine.name);
+        let found = diagnose(&Experiment::new(&[run]).unwrap(), &model, &Options::default()).unwrap();
+        assert_eq!(found.verdict, Verdict::UnnamedStructure, "{seed}: {}", found.why);
+        assert!(found.why.contains("takes a new place each time"), "{seed}: {}", found.why);
+        // One component of a length that is there half of the time.
+        let put_in_um = 3.0 / 12f64.sqrt();
+        assert!((found.noise.stations_um / put_in_um - 1.0).abs() < 0.2, "{seed}: {:?}", found.noise);
+    }
 }

@@ -16,6 +16,8 @@ use trunnion_core::{AxisValues, Joint};
 use trunnion_instruments::Projector;
 use trunnion_machine::Site;
 
+/// The frame of the readings is the first.
+const OF_READINGS: usize = 0;
 /// σ of ln ρ.
 const SPREAD_LN: f64 = 1.2;
 /// The same of angles at which axes stop: maker's data say more of them.
@@ -63,6 +65,11 @@ impl Kernel {
     /// Of the prior.
     pub fn precision(&self) -> f64 {
         self.spread_ln.powi(-2)
+    }
+
+    /// Offsets of the readings at each stop of the slow axis.
+    pub fn is_station_of_readings(&self) -> bool {
+        self.part == Part::Station && self.frame == OF_READINGS
     }
 }
 
