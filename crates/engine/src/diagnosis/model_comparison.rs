@@ -57,7 +57,7 @@ fn best(
         .filter(|term| term.noticeable && term.item.ln_odds > claim_ln && !is_natural(named, term));
     let Some(term) = term else { return best };
     let Some(best) = best.filter(|best| best.item.ln_odds > claim_ln) else { return Some(term) };
-    if term.item.ln_odds <= sparse_ln_odds(scan, &best) + CLEAR_LEAD_LN {
+    if term.item.ln_odds <= sparse_ln_odds(scan, &best, Some(&term.noise)) + CLEAR_LEAD_LN {
         return Some(best);
     }
     let covers = |scored: &&Scored| scored.noticeable && scored.fit_ln > term.fit_ln - SAME_FIT_LN;
@@ -98,7 +98,7 @@ fn several_do_better(
             sigma: first.sigma().clone(),
             taken: taken.iter().copied().chain(first.item.what.group()).collect(),
         };
-        let first_ln = sparse_ln_odds(scan, first);
+        let first_ln = sparse_ln_odds(scan, first, Some(&term.noise));
         first_ln + following_ln(scan, views, start, claim_ln, enough_ln - first_ln)
     };
     let enough_ln = all_ln(term, f64::INFINITY) - CLEAR_LEAD_LN;
@@ -128,7 +128,7 @@ fn following_ln(scan: &Scan<'_>, views: &Views, start: Start, claim_ln: f64, eno
         if best.item.ln_odds <= claim_ln {
             break;
         }
-        sum_ln += sparse_ln_odds(scan, &best);
+        sum_ln += sparse_ln_odds(scan, &best, None);
         chosen = joined(&chosen, &best.item.columns);
         taken.extend(best.item.what.group());
         sigma = best.sigma().clone();

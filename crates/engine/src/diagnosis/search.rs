@@ -253,7 +253,7 @@ impl State<'_> {
             let now = scored_each(self.scan, &view, &[group]);
             let now_ln = now.first().map_or(-price_ln(self.scan, group), |now| match best.item.what {
                 What::Named(_) => now.item.ln_odds,
-                What::Open(_) => sparse_ln_odds(self.scan, now),
+                What::Open(_) => sparse_ln_odds(self.scan, now, Some(&best.noise)),
             });
             let beat_ln = if best.item.is_open() { now_ln + self.claim_ln } else { now_ln };
             if best.item.ln_odds > beat_ln {

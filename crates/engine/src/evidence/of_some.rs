@@ -1,13 +1,24 @@
 //! Evidence of a block of which some columns may be absent: a carriage that swings need not nod (docs/design/statistics.md §4.3).
 
-use crate::evidence::{NO_DIRECTION, turn, weighed};
+use super::algebra::{NO_DIRECTION, turn};
+use super::weighed::weighed;
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
 use nalgebra::DMatrix;
 
-/// ln Bayes factor of the best smaller set of columns, found by leaving out one after the other, after the price of choosing it; none with fewer
-/// than two columns.
-pub fn of_some_ln(here: &Projected, columns: &DMatrix<f64>) -> Option<f64> {
+/// The best set of some columns of a block.
+#[derive(Clone, Debug)]
+pub struct OfSome {
+    /// Indices of the columns.
+    pub set: Vec<usize>,
+    /// ln Bayes factor against nothing, after the price.
+    pub ln_bf: f64,
+    /// What choosing the set costs, ln.
+    pub price_ln: f64,
+}
+
+/// The best set of columns, found by leaving out one after the other, after the price of choosing it; none of no column.
+pub fn of_some(here: &Projected, columns: &DMatrix<f64>) -> Option<OfSome> {
     let rms = |column: usize| columns.column(column).norm() / (columns.nrows() as f64).sqrt();
     let alive: Vec<usize> = (0..columns.ncols()).filter(|&column| rms(column) > 0.0).collect();
     let all = alive.len();
@@ -26,13 +37,16 @@ pub fn of_some_ln(here: &Projected, columns: &DMatrix<f64>) -> Option<f64> {
     let without =
         |set: &[usize], column: usize| set.iter().copied().filter(|c| *c != column).collect::<Vec<_>>();
     let mut set: Vec<usize> = (0..all).collect();
-    let mut best: Option<f64> = None;
+    let mut best = (all > 0).then(|| OfSome { set: alive.clone(), ln_bf: ln_bf(&set), price_ln: 0.0 });
     while set.len() > 1 {
         let smaller = set.iter().map(|&column| without(&set, column));
         let (ln, next) = smaller.map(|set| (ln_bf(&set), set)).max_by(|a, b| a.0.total_cmp(&b.0))?;
         set = next;
-        let priced_ln = ln - price_ln(all, set.len());
-        best = Some(best.map_or(priced_ln, |best| best.max(priced_ln)));
+        let price_ln = price_ln(all, set.len());
+        if best.as_ref().is_none_or(|best| ln - price_ln > best.ln_bf) {
+            let set = set.iter().map(|&column| alive[column]).collect();
+            best = Some(OfSome { set, ln_bf: ln - price_ln, price_ln });
+        }
     }
     best
 }
