@@ -162,7 +162,7 @@ fn gather(
         covariance,
         repeatability: repeatability(experiment, &passes),
         holdout: match options.holdout {
-            HeldOut::Computed => holdout(&sums),
+            HeldOut::Computed => holdout(&sums, &added(joint, &fit)),
             HeldOut::Skipped => None,
         },
         noise_parts,
@@ -180,6 +180,15 @@ fn gather(
         predicted_mm: fit.predicted_mm,
         residual_mm: fit.residual_mm,
     }
+}
+
+/// Parameters of effects beyond location errors and settings: where they stand among the determined ones, and their values.
+fn added(joint: &SideBySide, fit: &Converged) -> Vec<(usize, f64)> {
+    let is_added = |j: usize| {
+        !matches!(joint.effects[joint.effect_of[j]].instance.role(), Role::Location | Role::Setting)
+    };
+    let determined = fit.datum.determined.iter().enumerate();
+    determined.filter(|(_, j)| is_added(**j)).map(|(column, &j)| (column, fit.solution[j])).collect()
 }
 
 /// What parameters are called in sentences: by their effect where several effects have one of that name.
