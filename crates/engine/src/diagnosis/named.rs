@@ -120,10 +120,7 @@ fn best_shape(
 ) -> (Vec<f64>, DMatrix<f64>) {
     let named = &scan.named[group];
     let shape = named.shapes.grid[best].clone();
-    let columns = |shape: &[f64]| {
-        let columns = scan.columns_of(&named.instance, shape);
-        columns.iter().all(|x| x.is_finite()).then_some(columns)
-    };
+    let columns = |shape: &[f64]| scan.finite_columns_of(&named.instance, shape);
     let first = columns(&shape).unwrap_or_else(|| DMatrix::zeros(scan.remainder.y.len(), 0));
     if !named.shapes.continuous || named.shapes.grid.len() < 2 || first.ncols() == 0 {
         return (shape, first);

@@ -118,6 +118,11 @@ impl<'a> Scan<'a> {
         let Remainder { rows, root, .. } = &self.remainder;
         weighted(rows.of(credible_columns(rows.whole(), instance, shape)), root)
     }
+
+    /// The same where they are numbers.
+    pub fn finite_columns_of(&self, instance: &Instance, shape: &[f64]) -> Option<DMatrix<f64>> {
+        Some(self.columns_of(instance, shape)).filter(|columns| columns.iter().all(|x| x.is_finite()))
+    }
 }
 
 type Competitors = (Vec<Named>, DMatrix<Real>, Vec<usize>, Vec<String>);

@@ -9,8 +9,8 @@ use crate::evidence::{OfSome, of_some, parallel, turned, weigh};
 use crate::noise::learned::sigma::Projected;
 use nalgebra::DMatrix;
 
-/// ln odds of an addition where some of its columns may be absent; at least those of all at its own noise. `other`: a noise learned with what competes, where
-/// that explains more. The best set may have another shape than all columns together: one time constant where these have two.
+/// ln odds of an addition where some of its columns may be absent; at least those of all at its own noise. `other`: a noise learned with what
+/// competes, where that explains more. The best set may have another shape than all columns together: one time constant where these have two.
 pub fn sparse_ln_odds(scan: &Scan<'_>, scored: &Scored, other: Option<&Relearned>) -> f64 {
     let Some(group) = scored.item.what.group() else { return scored.item.ln_odds };
     let at = |noise: &Relearned| {
@@ -29,10 +29,7 @@ fn best_set(scan: &Scan<'_>, scored: &Scored, group: usize, here: &Projected) ->
     if !named.shapes.continuous || grid.len() < 2 {
         return Some(first);
     }
-    let columns = |shape: &[f64]| {
-        let columns = scan.columns_of(&named.instance, shape);
-        columns.iter().all(|x| x.is_finite()).then_some(columns)
-    };
+    let columns = |shape: &[f64]| scan.finite_columns_of(&named.instance, shape);
     let at = |i: usize| Some((of_some(here, &columns(&grid[i])?)?, grid[i].clone()));
     let on_grid = parallel(grid.len(), at).into_iter().flatten();
     let (of_some, shape) = on_grid.chain([first]).max_by(|a, b| a.0.ln_bf.total_cmp(&b.0.ln_bf))?;
