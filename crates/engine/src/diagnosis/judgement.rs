@@ -13,6 +13,8 @@ use crate::diagnosis::view::What;
 use crate::evidence::turned;
 use crate::fit::identification::{Identification, Repeatability};
 use crate::noise::learned::kernels::Part;
+use crate::noise::machine_noise::Order;
+use crate::problem::experiment::Experiment;
 use nalgebra::DMatrix;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::um;
@@ -72,7 +74,7 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
     }
     let jumps_um = jumps_um(scan, found.last.null.x());
     if jumps_um > natural_um(scan, sizes.white_um) {
-        return jumps(jumps_um, sizes.white_um);
+        return jumps(scan.remainder.rows.whole(), jumps_um, sizes.white_um);
     }
     match (repeatability.allows(fit.rms_mm), units_differ(fit)) {
         (true, None) => return (Verdict::NoiseFloor, String::new(), String::new()),
@@ -131,9 +133,10 @@ fn jumps_um(scan: &Scan<'_>, x: &[f64]) -> f64 {
 }
 
 /// Something that takes a new place at every stop.
-fn jumps(jumps_um: f64, white_um: f64) -> (Verdict, String, String) {
+fn jumps(experiment: &Experiment, jumps_um: f64, white_um: f64) -> (Verdict, String, String) {
+    let of_axis = Order::new(experiment).slow.map_or(String::new(), |axis| format!(" of {axis}"));
     let why = format!(
-        "From stop to stop of the slow axis the readings jump by some {}, where those of one stop scatter by {}: something takes a new \
+        "From stop to stop{of_axis} the readings jump by some {}, where those of one stop scatter by {}: something takes a new \
          place each time. No effect or expression describes it.",
         um(jumps_um),
         um(white_um)
