@@ -8,11 +8,11 @@
 //! P has the columns of the model projected out: a direction that the model imitates has λ ≈ 0 and adds nothing.
 
 mod algebra;
-mod of_some;
+mod best_set;
 mod weighed;
 
 pub use algebra::{joined, log_mean_exp, orthonormal, parallel, turned};
-pub use of_some::{OfSome, of_some};
+pub use best_set::{BestSet, best_set};
 pub use weighed::{Weighed, weighed};
 
 use crate::noise::learned::Real;

@@ -184,11 +184,8 @@ fn gather(
 
 /// Parameters of effects beyond location errors and settings: where they stand among the determined ones, and their values.
 fn added(joint: &SideBySide, fit: &Converged) -> Vec<(usize, f64)> {
-    let is_added = |j: usize| {
-        !matches!(joint.effects[joint.effect_of[j]].instance.role(), Role::Location | Role::Setting)
-    };
     let determined = fit.datum.determined.iter().enumerate();
-    determined.filter(|(_, j)| is_added(**j)).map(|(column, &j)| (column, fit.solution[j])).collect()
+    determined.filter(|(_, j)| joint.is_added(**j)).map(|(column, &j)| (column, fit.solution[j])).collect()
 }
 
 /// What parameters are called in sentences: by their effect where several effects have one of that name.

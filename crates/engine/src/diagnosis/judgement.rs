@@ -1,8 +1,8 @@
 //! The verdict where nothing is claimed: an all-clear that is earned, or that these data cannot say.
 //!
 //! An all-clear needs repeats that show the repeatability, a residual and a held-out error no larger than they allow, no pattern that comes
-//! back and is larger than the repeatability of a single reading, and no effect that has anything to say for it. It states the size of
-//! effect that would have been noticed.
+//! back and is larger than the repeatability of a single reading, no jumps from stop to stop larger than natural, and no effect that has
+//! anything to say for it. It states the size of effect that would have been noticed.
 
 use crate::diagnosis::judged::{LearnedNoise, Verdict};
 use crate::diagnosis::named::{BARE_MENTION_LN, price_ln};
@@ -12,7 +12,7 @@ use crate::diagnosis::verdict::NextCycle;
 use crate::diagnosis::view::What;
 use crate::evidence::turned;
 use crate::fit::identification::{Identification, Repeatability};
-use crate::noise::learned::kernels::Part;
+use crate::noise::learned::kernels::{Kernel, Part};
 use crate::noise::machine_noise::Order;
 use crate::problem::experiment::Experiment;
 use nalgebra::DMatrix;
@@ -33,18 +33,24 @@ const PRICE_OF_SIZE: f64 = 2.0;
 
 /// Sizes at x = (ln s, ln ρ).
 pub fn noise_sizes(scan: &Scan<'_>, x: &[f64]) -> LearnedNoise {
-    let white_um = um_from_mm(x[0].exp() * scan.remainder.unit_mm);
-    let of = |part: Part| {
-        let own = scan.remainder.kernels.list.iter().zip(&x[1..]).filter(|(kernel, _)| kernel.part == part);
-        white_um * own.map(|(_, ln)| (2.0 * ln).exp()).sum::<f64>().sqrt()
-    };
+    let of = |part: Part| size_um(scan, x, |kernel| kernel.part == part);
     LearnedNoise {
-        white_um,
+        white_um: white_um(scan, x),
         passes_um: of(Part::Pass),
         stations_um: of(Part::Station),
         drift_um: of(Part::Drift),
         pattern_um: of(Part::Pattern),
     }
+}
+
+fn white_um(scan: &Scan<'_>, x: &[f64]) -> f64 {
+    um_from_mm(x[0].exp() * scan.remainder.unit_mm)
+}
+
+/// Of some kernels together.
+fn size_um(scan: &Scan<'_>, x: &[f64], is_one: impl Fn(&Kernel) -> bool) -> f64 {
+    let own = scan.remainder.kernels.list.iter().zip(&x[1..]).filter(|(kernel, _)| is_one(kernel));
+    white_um(scan, x) * own.map(|(_, ln)| (2.0 * ln).exp()).sum::<f64>().sqrt()
 }
 
 /// Verdict, its reason and what to measure where nothing is claimed.
@@ -72,7 +78,9 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
     if comes_back(sizes.pattern_um, repeatability) {
         return pattern(sizes.pattern_um, noise_um);
     }
-    let jumps_um = jumps_um(scan, found.last.null.x());
+    // Repeats have these too, so no residual is too large for them; yet what has moved between two stops, whatever angle the axis stops at, and
+    // keeps still at each, is no noise of readings.
+    let jumps_um = size_um(scan, found.last.null.x(), Kernel::is_station_of_readings);
     if jumps_um > natural_um(scan, sizes.white_um) {
         return jumps(scan.remainder.rows.whole(), jumps_um, sizes.white_um);
     }
@@ -121,15 +129,6 @@ fn pattern(pattern_um: f64, noise_um: f64) -> (Verdict, String, String) {
     );
     let next = "Measure the same positions with half the step: a finer grid shows the form of the pattern.";
     (Verdict::UnnamedStructure, why, next.into())
-}
-
-/// Offsets of the readings from stop to stop, whatever angle the axis stops at. Repeats have them all, so no residual is too large for them; yet
-/// what moves by more than natural between two stops, and keeps still at each, is no noise of readings.
-fn jumps_um(scan: &Scan<'_>, x: &[f64]) -> f64 {
-    let kernels = &scan.remainder.kernels;
-    let of_readings = kernels.list.iter().zip(&x[1..]).filter(|(kernel, _)| kernel.is_station_of_readings());
-    let square: f64 = of_readings.map(|(_, ln)| (2.0 * ln).exp()).sum();
-    um_from_mm(x[0].exp() * scan.remainder.unit_mm) * square.sqrt()
 }
 
 /// Something that takes a new place at every stop.

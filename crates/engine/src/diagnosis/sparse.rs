@@ -5,7 +5,7 @@ use crate::diagnosis::refine::{Shaped, refined, stretches};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::{Scored, shape_price_ln};
 use crate::diagnosis::view::Relearned;
-use crate::evidence::{OfSome, of_some, parallel, turned, weigh};
+use crate::evidence::{BestSet, best_set, parallel, turned, weigh};
 use crate::noise::learned::sigma::Projected;
 use nalgebra::DMatrix;
 
@@ -14,29 +14,34 @@ use nalgebra::DMatrix;
 pub fn sparse_ln_odds(scan: &Scan<'_>, scored: &Scored, other: Option<&Relearned>) -> f64 {
     let Some(group) = scored.item.what.group() else { return scored.item.ln_odds };
     let at = |noise: &Relearned| {
-        let (of_some, shape) = best_set(scan, scored, group, &noise.alone)?;
+        let (set, shape) = best_set_and_shape(scan, scored, group, &noise.alone)?;
         let shape_price_ln = shape_price_ln(scan.named[group].tries, &shape);
-        Some(of_some.ln_bf + noise.offset_ln - shape_price_ln - price_ln(scan, group))
+        Some(set.ln_bf + noise.offset_ln - shape_price_ln - price_ln(scan, group))
     };
     other.into_iter().chain([&*scored.noise]).filter_map(at).fold(scored.item.ln_odds, f64::max)
 }
 
 /// The best set of columns of a named effect, at its best shape.
-fn best_set(scan: &Scan<'_>, scored: &Scored, group: usize, here: &Projected) -> Option<(OfSome, Vec<f64>)> {
+fn best_set_and_shape(
+    scan: &Scan<'_>,
+    scored: &Scored,
+    group: usize,
+    here: &Projected,
+) -> Option<(BestSet, Vec<f64>)> {
     let named = &scan.named[group];
     let grid = &named.shapes.grid;
-    let first = (of_some(here, &scored.item.columns)?, scored.item.shape.clone());
+    let first = (best_set(here, &scored.item.columns)?, scored.item.shape.clone());
     if !named.shapes.continuous || grid.len() < 2 {
         return Some(first);
     }
     let columns = |shape: &[f64]| scan.finite_columns_of(&named.instance, shape);
-    let at = |i: usize| Some((of_some(here, &columns(&grid[i])?)?, grid[i].clone()));
+    let at = |i: usize| Some((best_set(here, &columns(&grid[i])?)?, grid[i].clone()));
     let on_grid = parallel(grid.len(), at).into_iter().flatten();
-    let (of_some, shape) = on_grid.chain([first]).max_by(|a, b| a.0.ln_bf.total_cmp(&b.0.ln_bf))?;
-    let of_set = |shape: &[f64]| Some(columns(shape)?.select_columns(&of_some.set));
-    let gain_ln = |columns: &DMatrix<f64>| weigh(here, &turned(columns)).ln_bf - of_some.price_ln;
+    let (set, shape) = on_grid.chain([first]).max_by(|a, b| a.0.ln_bf.total_cmp(&b.0.ln_bf))?;
+    let of_set = |shape: &[f64]| Some(columns(shape)?.select_columns(&set.columns));
+    let gain_ln = |columns: &DMatrix<f64>| weigh(here, &turned(columns)).ln_bf - set.price_ln;
     let within = stretches(grid, &shape, None);
-    let start = Shaped { columns: of_set(&shape)?, gain_ln: of_some.ln_bf, shape };
+    let start = Shaped { columns: of_set(&shape)?, gain_ln: set.ln_bf, shape };
     let Shaped { shape, gain_ln, .. } = refined(start, &within, of_set, gain_ln);
-    Some((OfSome { ln_bf: gain_ln, ..of_some }, shape))
+    Some((BestSet { ln_bf: gain_ln, ..set }, shape))
 }

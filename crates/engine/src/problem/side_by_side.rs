@@ -73,6 +73,11 @@ impl SideBySide {
         self.parameters.len()
     }
 
+    /// True for a column of an effect that was added to location errors and settings.
+    pub fn is_added(&self, j: usize) -> bool {
+        !matches!(self.effects[self.effect_of[j]].instance.role(), Role::Location | Role::Setting)
+    }
+
     /// Columns that the data may determine.
     pub fn free(&self) -> Vec<usize> {
         (0..self.width()).filter(|&j| self.held[j].is_none()).collect()
@@ -80,10 +85,8 @@ impl SideBySide {
 
     /// The same, location errors and settings apart from what was added to them.
     pub fn free_by_role(&self) -> Free {
-        let of_base = |&j: &usize| {
-            matches!(self.effects[self.effect_of[j]].instance.role(), Role::Location | Role::Setting)
-        };
-        let (base, added): (Vec<usize>, Vec<usize>) = self.free().into_iter().partition(of_base);
+        let (added, base): (Vec<usize>, Vec<usize>) =
+            self.free().into_iter().partition(|&j| self.is_added(j));
         let is_setting = |j: &usize| self.effects[self.effect_of[*j]].instance.role() == Role::Setting;
         let settings = base.iter().copied().filter(is_setting).collect();
         Free { base, settings, added }

@@ -71,7 +71,7 @@ fn a_smaller_pattern_is_natural_and_its_size_is_known() {
     assert!(pattern_um < noise_um && (pattern_um - 0.2).abs() < 0.08, "put in 0.18 µm, found {pattern_um}");
 }
 
-/// A ball that sits at either of two places, 3 µm apart, drawn anew whenever the table tilts. Repeats differ by it too, so that no residual is larger
+/// A ball that sits at either of two places, 3 µm apart, drawn at random whenever the table tilts. Repeats differ by it too, so that no residual is larger
 /// than they allow.
 #[test]
 fn a_seat_that_jumps_between_stops_gets_no_all_clear() {

@@ -8,9 +8,9 @@ use nalgebra::DMatrix;
 
 /// The best set of some columns of a block.
 #[derive(Clone, Debug)]
-pub struct OfSome {
-    /// Indices of the columns.
-    pub set: Vec<usize>,
+pub struct BestSet {
+    /// Indices of its columns.
+    pub columns: Vec<usize>,
     /// ln Bayes factor against nothing, after the price.
     pub ln_bf: f64,
     /// What choosing the set costs, ln.
@@ -18,7 +18,7 @@ pub struct OfSome {
 }
 
 /// The best set of columns, found by leaving out one after the other, after the price of choosing it; none of no column.
-pub fn of_some(here: &Projected, columns: &DMatrix<f64>) -> Option<OfSome> {
+pub fn best_set(here: &Projected, columns: &DMatrix<f64>) -> Option<BestSet> {
     let rms = |column: usize| columns.column(column).norm() / (columns.nrows() as f64).sqrt();
     let alive: Vec<usize> = (0..columns.ncols()).filter(|&column| rms(column) > 0.0).collect();
     let all = alive.len();
@@ -37,15 +37,15 @@ pub fn of_some(here: &Projected, columns: &DMatrix<f64>) -> Option<OfSome> {
     let without =
         |set: &[usize], column: usize| set.iter().copied().filter(|c| *c != column).collect::<Vec<_>>();
     let mut set: Vec<usize> = (0..all).collect();
-    let mut best = (all > 0).then(|| OfSome { set: alive.clone(), ln_bf: ln_bf(&set), price_ln: 0.0 });
+    let mut best = (all > 0).then(|| BestSet { columns: alive.clone(), ln_bf: ln_bf(&set), price_ln: 0.0 });
     while set.len() > 1 {
         let smaller = set.iter().map(|&column| without(&set, column));
         let (ln, next) = smaller.map(|set| (ln_bf(&set), set)).max_by(|a, b| a.0.total_cmp(&b.0))?;
         set = next;
         let price_ln = price_ln(all, set.len());
         if best.as_ref().is_none_or(|best| ln - price_ln > best.ln_bf) {
-            let set = set.iter().map(|&column| alive[column]).collect();
-            best = Some(OfSome { set, ln_bf: ln - price_ln, price_ln });
+            let columns = set.iter().map(|&column| alive[column]).collect();
+            best = Some(BestSet { columns, ln_bf: ln - price_ln, price_ln });
         }
     }
     best
