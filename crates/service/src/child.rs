@@ -22,6 +22,16 @@ const NO_MEMORY: &str = "memory allocation of";
 /// as long again with them.
 const OF_THE_ALLOCATOR: &str = "MALLOC_";
 
+/// Whether a process has ended; waits for [`LOOK`] where it has not.
+pub(crate) fn ended(child: &mut Child) -> std::io::Result<Option<ExitStatus>> {
+    let ended = child.try_wait()?;
+    if ended.is_none() {
+        // std has no wait for a process with a limit, and it is looked too whether anybody still wants it.
+        std::thread::sleep(LOOK);
+    }
+    Ok(ended)
+}
+
 /// Why there is no answer.
 pub(crate) enum Unanswered {
     /// It is no longer wanted.

@@ -2,7 +2,7 @@
 
 use super::report::write_report;
 use crate::analysis::{AnalysisLimits, Analyst, JudgedBy};
-use crate::child::{LOOK, Process, Unanswered};
+use crate::child::{Process, Unanswered, ended};
 use crate::error::ServiceError;
 use std::io::Read;
 use std::path::Path;
@@ -39,14 +39,7 @@ pub(super) fn analyse(
         Analyst::Program(program) => {
             let mut process = start(program, task).map_err(|failure| Unanswered::Failed(chain(&failure)))?;
             let answer = process.take_output().map(read);
-            let status = process.until(clock, cancel, |child| {
-                let ended = child.try_wait()?;
-                if ended.is_none() {
-                    // std has no wait for a process with a limit, and `cancel` and `time_s` are looked at too.
-                    std::thread::sleep(LOOK);
-                }
-                Ok(ended)
-            })?;
+            let status = process.until(clock, cancel, ended)?;
             let answer = answer.and_then(|answer| answer.join().ok()).unwrap_or_default();
             match serde_json::from_str(&answer) {
                 // 3: without a verdict.

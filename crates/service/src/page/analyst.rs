@@ -4,7 +4,7 @@
 use super::analysed::AnalysedRuns;
 use super::question::{Head, NoAnswer, Question, Reply};
 use crate::analysis::{AnalysisLimits, Analyst};
-use crate::child::{LOOK, Process, Unanswered};
+use crate::child::{LOOK, Process, Unanswered, ended};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{ChildStdin, ChildStdout};
@@ -125,14 +125,7 @@ impl Answering {
             Ok(answer) => Ok(Some(Ok(answer))),
             Err(RecvTimeoutError::Timeout) => Ok(None),
             // Its output ended, and so does it.
-            Err(RecvTimeoutError::Disconnected) => {
-                let ended = child.try_wait()?;
-                if ended.is_none() {
-                    // std has no wait for a process with a limit, and `cancel` and `time_s` are looked at too.
-                    std::thread::sleep(LOOK);
-                }
-                Ok(ended.map(Err))
-            }
+            Err(RecvTimeoutError::Disconnected) => Ok(ended(child)?.map(Err)),
         });
         match looked {
             Ok(Ok(answer)) => Ok(answer),
