@@ -7,7 +7,7 @@
 
 use crate::IdentifyError;
 use crate::fit::Options;
-use crate::problem::design::{Design, unused_rows};
+use crate::problem::design::Design;
 use crate::problem::side_by_side::Expected;
 use crate::solve::linear::{Reduced, Solver};
 use crate::solve::null_space::{Datum, Limits, Zero, datum};
@@ -140,7 +140,7 @@ fn linear_noise_mm(design: &Design<'_>, reduced: &Reduced, start: &DVector<f64>,
 /// Residuals as they count: weighted, of unused rows zero, mm.
 fn counted_mm(design: &Design<'_>, residual_mm: &DVector<f64>, used: &[bool]) -> DVector<f64> {
     let mut counted = residual_mm.component_mul(&design.weights.root);
-    for row in unused_rows(design.experiment, used) {
+    for row in design.experiment.unused_rows(used) {
         counted[row] = 0.0;
     }
     counted

@@ -9,7 +9,7 @@
 //! Limits: products of two such tilts of one beam are left out, they are of the fourth order; the tilts of two setups are independent.
 
 use crate::fit::gauss_newton::Converged;
-use crate::problem::design::{Design, unused_rows};
+use crate::problem::design::Design;
 use crate::problem::side_by_side::SideBySide;
 use crate::solve::direction::Status;
 use nalgebra::{DMatrix, DVector};
@@ -23,7 +23,7 @@ pub(crate) fn second_order(design: &Design<'_>, fit: &Converged, used: &[bool]) 
     }
     let of_readings = |mut change_mm: DVector<f64>| {
         change_mm.component_mul_assign(&design.weights.root);
-        unused_rows(design.experiment, used).for_each(|row| change_mm[row] = 0.0);
+        design.experiment.unused_rows(used).for_each(|row| change_mm[row] = 0.0);
         change_mm
     };
     let mut changes = DMatrix::zeros(design.experiment.rows(), 2 * unknown.len());

@@ -24,7 +24,7 @@ use crate::noise::learned::kernels::{Kernel, Kernels, Over, Part};
 use crate::noise::learned::mode::Mode;
 use crate::noise::learned::posterior::{Size, sizes};
 use crate::noise::learned::remainder::{Fitted, Learned, Remainder};
-use crate::problem::design::{Design, unused_rows};
+use crate::problem::design::Design;
 use crate::problem::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 use std::convert::Infallible;
@@ -213,7 +213,7 @@ fn sums(
             root[row] = averaged[node] * white[of_node].sqrt();
         }
     }
-    unused_rows(experiment, used).for_each(|row| root[row] = 0.0);
+    experiment.unused_rows(used).for_each(|row| root[row] = 0.0);
     let mut of_white = DMatrix::zeros(determined.len(), determined.len());
     design.blocks(&mut |_, rows, columns| {
         let mut chosen = columns.select_columns(determined);

@@ -64,7 +64,7 @@ impl<'a> Design<'a> {
     pub fn reduce(&self, used: &[bool]) -> Result<Reduced, IdentifyError> {
         if let Some(all) = &self.in_memory {
             let mut kept = all.clone();
-            for row in unused_rows(self.experiment, used) {
+            for row in self.experiment.unused_rows(used) {
                 kept.row_mut(row).fill(0.0);
             }
             self.check_finite(0, &kept)?;
@@ -112,9 +112,4 @@ impl<'a> Design<'a> {
         });
         reduced.project(&normal)
     }
-}
-
-/// Rows of the points that take no part.
-pub(crate) fn unused_rows(experiment: &Experiment, used: &[bool]) -> impl Iterator<Item = usize> {
-    (0..used.len()).filter(|&i| !used[i]).flat_map(|i| experiment.rows_of(i))
 }

@@ -97,6 +97,11 @@ impl Experiment {
         self.first_row[point]..self.first_row[point + 1]
     }
 
+    /// Rows of the points that take no part in a fit.
+    pub fn unused_rows(&self, used: &[bool]) -> impl Iterator<Item = usize> {
+        (0..used.len()).filter(|&i| !used[i]).flat_map(|i| self.rows_of(i))
+    }
+
     /// Number of the pose of each point, by all joints; those of different setups differ.
     pub fn poses(&self) -> Vec<usize> {
         let setup = self.points.iter().map(|point| point.state.setup).collect();

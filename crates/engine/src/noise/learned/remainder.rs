@@ -78,7 +78,10 @@ impl<'a> Remainder<'a> {
         let rows = Rows::new(experiment);
         let root = rows.of_vector(fitted.row_weights.clone());
         let mut base = columns(&rows, &root)?;
-        let residual = rows.of_vector(fitted.residual_mm.clone()).component_mul(&root);
+        let mut residual_mm = fitted.residual_mm.clone();
+        // However wild a reading is that the fit left out, it says nothing: its point counts for nothing, not for little.
+        experiment.unused_rows(fitted.used).for_each(|row| residual_mm[row] = 0.0);
+        let residual = rows.of_vector(residual_mm).component_mul(&root);
         let sizes: Vec<f64> = residual.iter().map(|r| r.abs()).collect();
         let unit_mm = (upper_median(&sizes).unwrap_or(0.0) / MEDIAN_OF_NORMAL).max(FINEST_MM);
         let display = Display::of(experiment);
