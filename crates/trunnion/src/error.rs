@@ -92,6 +92,14 @@ pub enum Error {
     /// The fit failed.
     #[error(transparent)]
     Fit(Box<IdentifyError>),
+    /// A fit that did not converge to runs that cannot be what they say they are.
+    #[error("the model cannot be fitted to these runs. {doubt}")]
+    NotPlausible {
+        /// What is wrong with them, and what explains it.
+        doubt: String,
+        /// The cause.
+        source: Box<IdentifyError>,
+    },
     /// The diagnosis failed.
     #[error(transparent)]
     Diagnose(Box<DiagnoseError>),

@@ -5,9 +5,10 @@ use crate::{Error, Experiment, Model};
 use std::sync::{Arc, OnceLock};
 use trunnion_effects::Instance;
 use trunnion_engine::fit::Options;
-use trunnion_engine::{BetweenRuns, Identification, Problem, doubts, next_cycle};
+use trunnion_engine::{BetweenRuns, Identification, IdentifyError, Problem, doubts, next_cycle};
 use trunnion_results as results;
 use trunnion_results::number::finite;
+use trunnion_results::sentences::not_plausible;
 
 /// A model fitted to runs. Clones share the data.
 #[derive(Clone)]
@@ -25,8 +26,21 @@ impl Experiment {
     /// # Errors
     /// A model that does not suit machine or runs, or a fit that does not converge.
     pub fn fit(&self, model: &Model) -> Result<Fit, Error> {
-        let fitted = trunnion_engine::identify(self.points(), model.entries(), &Options::default())?;
+        let fitted = trunnion_engine::identify(self.points(), model.entries(), &Options::default())
+            .map_err(|error| self.with_doubt(error))?;
         Ok(Fit::of(self, model.clone(), fitted))
+    }
+
+    /// A fit that does not converge says what is wrong with the runs, where that is known.
+    fn with_doubt(&self, error: IdentifyError) -> Error {
+        let implausible = match error {
+            IdentifyError::NotConverged { .. } => self.plausibility(),
+            _ => Vec::new(),
+        };
+        match implausible.is_empty() {
+            true => error.into(),
+            false => Error::NotPlausible { doubt: not_plausible(&implausible), source: error.into() },
+        }
     }
 
     /// The same without the effects that these runs cannot show.

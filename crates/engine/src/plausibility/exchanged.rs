@@ -1,6 +1,8 @@
 //! Mistakes between readings and positions, each tried: the base model is fitted to the readings as they are and with the mistake undone.
 
 mod axes;
+mod from_a_point;
+mod scaled;
 
 use super::fitted::{Fitted, Tried};
 use super::found::Implausible;
@@ -133,7 +135,9 @@ impl Trial<'_> {
         }
         if has_three {
             tried.extend(self.absolute());
-            tried.extend(self.other_side());
+            tried.extend(self.other_side(None));
+            tried.extend(self.probes_scaled());
+            tried.extend(self.from_a_point());
             tried.extend(turned(self.experiment, self.model));
         }
         for setup in each {
@@ -145,6 +149,10 @@ impl Trial<'_> {
             }
             if self.run.kind == RunKind::Static {
                 tried.extend(self.shifted(Some(setup)).into_iter().map(|(words, left)| (of(words), left)));
+            }
+            if has_three {
+                tried.extend(self.other_side(Some(setup)).map(|(words, left)| (of(words), left)));
+                tried.extend(self.setup_scaled(setup).into_iter().map(|(words, left)| (of(words), left)));
             }
             tried.extend((0..setup).filter_map(|other| self.of_setups_exchanged(other, setup)));
         }
@@ -164,6 +172,10 @@ impl Trial<'_> {
     }
 
     fn left_mm(&self, change: impl FnOnce(&mut [[f64; 3]])) -> f64 {
+        self.model.rms_mm(&self.changed_rows(change))
+    }
+
+    fn changed_rows(&self, change: impl FnOnce(&mut [[f64; 3]])) -> DVector<f64> {
         let points = &self.experiment.points;
         let mut readings: Vec<[f64; 3]> = points.iter().map(|point| point.reading_mm).collect();
         change(&mut readings);
@@ -172,7 +184,7 @@ impl Trial<'_> {
             let own = self.experiment.rows_of(at);
             own.zip(reading).for_each(|(row, value)| rows[row] = *value);
         }
-        self.model.rms_mm(&rows)
+        rows
     }
 
     /// Of every probe together.
@@ -232,12 +244,17 @@ impl Trial<'_> {
         vec![(words.into(), without(1.0)), (format!("{words}, with the opposite sign"), without(-1.0))]
     }
 
-    fn other_side(&self) -> Option<Tried> {
+    /// The nest of one setup, or all, on the other side.
+    fn other_side(&self, setup: Option<usize>) -> Option<Tried> {
         let mut other = self.run.clone();
-        for setup in &mut other.setups {
-            setup.nest = if setup.nest == NestSide::Table { NestSide::Spindle } else { NestSide::Table };
+        for (k, setup_k) in other.setups.iter_mut().enumerate() {
+            if setup.is_none_or(|setup| setup == k) {
+                setup_k.nest =
+                    if setup_k.nest == NestSide::Table { NestSide::Spindle } else { NestSide::Table };
+            }
         }
-        let side = if other.setups[0].nest == NestSide::Table { "on the table" } else { "at the spindle" };
+        let is_table = other.setups[setup.unwrap_or(0)].nest == NestSide::Table;
+        let side = if is_table { "on the table" } else { "at the spindle" };
         let other = Experiment::of_points(&[other]).ok()?;
         let left_mm = Fitted::new(&other)?.rms_mm(&self.experiment.readings_mm());
         Some((format!("the nest {side}, not on the other side"), left_mm))

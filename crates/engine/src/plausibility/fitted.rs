@@ -52,6 +52,22 @@ impl Fitted {
         readings_mm - &self.directions * self.basis.tr_mul(readings_mm)
     }
 
+    /// Rms of what it leaves of readings that are `before` up to a row and `after` from that row on, mm: for each of `rows`, ascending.
+    /// Σr² = |y|² − |Bᵀy|², both summed row by row. Of a fit to every row.
+    pub fn left_of_switch_mm(&self, before: &DVector<f64>, after: &DVector<f64>, rows: &[usize]) -> Vec<f64> {
+        let (mut square, mut along) = (after.norm_squared(), self.basis.tr_mul(after));
+        let mut next = 0;
+        let of_row = |&switch: &usize| {
+            for row in next..switch {
+                square += before[row].powi(2) - after[row].powi(2);
+                along += self.basis.row(row).transpose() * (before[row] - after[row]);
+            }
+            next = switch;
+            ((square - along.norm_squared()).max(0.0) / before.len().max(1) as f64).sqrt()
+        };
+        rows.iter().map(of_row).collect()
+    }
+
     /// The same, rms.
     pub fn rms_mm(&self, readings_mm: &DVector<f64>) -> f64 {
         rms(&self.left_mm(readings_mm))

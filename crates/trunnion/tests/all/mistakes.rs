@@ -345,6 +345,18 @@ fn every_gross_mistake_is_refused_read_named_or_doubted() {
     write_or_compare("docs/measured/mistakes.md", "mistakes", &table);
 }
 
+/// Positions of the machine's own zero: half a metre off, the fit does not converge.
+#[test]
+fn a_fit_that_does_not_converge_says_what_is_wrong_with_the_runs() {
+    let mut files = Files::committed("points-nothing-hidden");
+    for (axis, offset) in [("x_mm", 312.4), ("y_mm", -201.7), ("z_mm", -455.2)] {
+        files.change(axis, |mm| mm + offset);
+    }
+    let run = files.open();
+    let why = run.fit(&run.base_model()).err().expect("no fit").to_string();
+    assert!(why.contains("the axes do not follow the ball") && why.contains("Change it?"), "{why}");
+}
+
 /// The first two lines of a refusal in one cell.
 fn shortened(why: &str) -> String {
     let lines: Vec<&str> = why.lines().map(str::trim).filter(|line| !line.is_empty()).collect();

@@ -56,7 +56,7 @@ fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-pub const PROBES: [ProbeMistake; 24] = [
+pub const PROBES: [ProbeMistake; 30] = [
     (
         "every probe at the input of the next",
         GRAVITY,
@@ -163,6 +163,55 @@ pub const PROBES: [ProbeMistake; 24] = [
             }
         },
         &["positions of X, Y and Z taken off the readings"],
+    ),
+    (
+        "one probe in millimetres",
+        NOTHING,
+        |f| f.readings(|[x, y, z]| [x, y, z * 1e-3]),
+        &["the readings dz multiplied by 1000 (given in mm, not in µm?)"],
+    ),
+    (
+        "one probe with a tenth of its gain",
+        GRAVITY,
+        |f| f.readings(|[x, y, z]| [x, y * 0.1, z]),
+        &["the readings dy multiplied by 10 (a decimal point, a gain of the amplifier?)"],
+    ),
+    (
+        "one setup in tenths of a µm",
+        NOTHING,
+        |f| {
+            for row in f.second() {
+                READINGS.iter().for_each(|name| f.set(row, name, 10.0 * f.number(row, name), 2));
+            }
+        },
+        &["the readings divided by 10 (tenths of a µm", "(setup high alone)"],
+    ),
+    (
+        "two inputs exchanged in the middle of the run",
+        NOTHING,
+        |f| {
+            for row in 202..f.rows.len() {
+                let [x, y] = ["dx_um", "dy_um"].map(|name| f.number(row, name));
+                f.set(row, "dx_um", y, 2);
+                f.set(row, "dy_um", x, 2);
+            }
+        },
+        &["the readings dx and dy exchanged (probe inputs) from 60 % of the points on"],
+    ),
+    (
+        "sign of a probe from the middle of the run",
+        GRAVITY,
+        |f| (252..f.rows.len()).for_each(|row| f.set(row, "dz_um", -f.number(row, "dz_um"), 2)),
+        &["the sign of the readings dz reversed from 75 % of the points on"],
+    ),
+    (
+        "nest of one setup on the other side",
+        NOTHING,
+        |f| {
+            let of_high = f.setup.rfind("\"table\"").unwrap();
+            f.setup.replace_range(of_high.., &f.setup[of_high..].replacen("table", "spindle", 1));
+        },
+        &["the nest on the table, not on the other side (setup high alone)"],
     ),
     (
         "nanometres under µm",

@@ -1,0 +1,50 @@
+//! Readings of one probe, or of one setup, in another unit than the others.
+//!
+//! Dividing readings makes whatever is left of them small, right or wrong. So only the smaller ones are multiplied, by which a false trial leaves
+//! more, not less.
+
+use super::Trial;
+use super::axes::PROBES;
+use crate::plausibility::fitted::Tried;
+
+/// What readings are too small by, and what makes them so; then what makes them too large by it.
+const FACTORS: [(f64, &str, &str); 3] = [
+    (1000.0, "given in mm, not in µm?", "given in nm, not in µm?"),
+    (25.4, "given in thousandths of an inch, not in µm?", "converted from inches twice?"),
+    (10.0, "a decimal point, a gain of the amplifier?", "tenths of a µm, a gain of the amplifier?"),
+];
+
+impl Trial<'_> {
+    /// Of every probe.
+    pub(super) fn probes_scaled(&self) -> Vec<Tried> {
+        let of_probe = |(probe, name): (usize, &&str)| {
+            self.scaled(&format!("the readings {name}"), |_, channel| channel == probe)
+        };
+        PROBES.iter().enumerate().flat_map(of_probe).collect()
+    }
+
+    /// Of one setup.
+    pub(super) fn setup_scaled(&self, setup: usize) -> Vec<Tried> {
+        let points = &self.experiment.points;
+        self.scaled("the readings", |at, _| points[at].state.setup == setup)
+    }
+
+    /// `is_one`: whether a channel of a point belongs to those in the other unit.
+    fn scaled(&self, which: &str, is_one: impl Fn(usize, usize) -> bool) -> Vec<Tried> {
+        let multiplied = |factor: f64, of_those: bool| {
+            self.left_mm(|readings| {
+                for (at, reading) in readings.iter_mut().enumerate() {
+                    let chosen = |channel: &usize| is_one(at, *channel) == of_those;
+                    (0..3).filter(chosen).for_each(|channel| reading[channel] *= factor);
+                }
+            })
+        };
+        let both = |(factor, small, large): &(f64, &str, &str)| {
+            [
+                (format!("{which} multiplied by {factor} ({small})"), multiplied(*factor, true)),
+                (format!("{which} divided by {factor} ({large})"), multiplied(*factor, false) / factor),
+            ]
+        };
+        FACTORS.iter().flat_map(both).collect()
+    }
+}
