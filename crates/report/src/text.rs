@@ -58,7 +58,7 @@ pub fn identification_text(view: &Identification) -> String {
     out += &inadequate(view).map_or(String::new(), |sentence| {
         paragraph(&format!("{sentence} Run `trunnion diagnose` with the same runs and model.")) + "\n"
     });
-    out += &parameters(&view.parameters);
+    out += &parameters(&view.listed());
     out += &another_run(view);
     out += &set_apart(&doubts(view));
     if !view.seen_together.is_empty() {

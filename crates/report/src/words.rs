@@ -322,7 +322,7 @@ fn trial_outcome(trial: &Trial) -> String {
     let then = trial.then.as_ref().map_or(String::new(), |then| format!(" {}", then_sentence(then)));
     let Some((out_before, out_after)) = trial.holdout_rms_um.before.zip(trial.holdout_rms_um.after) else {
         return format!(
-            "{fit}; there is no unit to leave out, so nothing proves that it predicts anything.{then}"
+            "{fit}; no part of these data predicts another, so nothing proves that it predicts anything.{then}"
         );
     };
     let out = format!(

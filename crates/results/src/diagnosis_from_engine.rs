@@ -4,9 +4,10 @@ use crate::complete::Complete;
 use crate::diagnosis::{
     Candidate, Diagnosis, DiagnosisFormat, FormulaProposal, NextCycle, Residual, ShapeNumber, Together,
 };
+use crate::doubt::Doubt;
 use crate::identification::{LeftOut, Parameter};
-use crate::number::finite;
-use crate::sentences::why;
+use crate::number::{finite, value_and_u};
+use crate::sentences::{doubts_of, why};
 use crate::spectrum::Period;
 use trunnion_engine as engine;
 
@@ -43,6 +44,7 @@ impl From<&engine::Diagnosis> for Diagnosis {
 
 impl Candidate {
     fn of(candidate: &engine::Candidate, residual: &Residual) -> Self {
+        let doubts: Vec<Doubt> = candidate.doubts.iter().map(Doubt::from).collect();
         let mut result = Self {
             effect: candidate.effect.clone(),
             evidence: candidate.evidence,
@@ -54,12 +56,28 @@ impl Candidate {
             separate_by: candidate.separate_by.clone(),
             adequate: candidate.adequate,
             period: candidate.period.as_ref().map(Period::from),
-            remarks: candidate.remarks.clone(),
+            remarks: candidate
+                .remarks
+                .iter()
+                .cloned()
+                .chain(seen_together(candidate))
+                .chain(doubts_of(&doubts))
+                .collect(),
             why: String::new(),
         };
         result.why = why(&result, residual);
         result
     }
+}
+
+/// Sizes of a candidate of which no parameter has a number.
+fn seen_together(candidate: &engine::Candidate) -> Option<String> {
+    let said = |seen: &engine::Combination| {
+        let (value, u) = value_and_u(Some(seen.value), Some(seen.u), seen.unit);
+        format!("{} = {value}, u = {u}", seen.text)
+    };
+    let said: Vec<String> = candidate.seen_together.iter().map(said).collect();
+    (!said.is_empty()).then(|| format!("Seen only together: {}.", said.join("; ")))
 }
 
 impl From<&engine::CandidateParameter> for Parameter {

@@ -9,6 +9,7 @@ use crate::time_quality::TimeQuality;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_core::convert::um_from_mm;
+use trunnion_effects::Unit;
 use trunnion_engine as engine;
 
 pub use trunnion_engine::Approach;
@@ -111,6 +112,20 @@ pub struct Shape {
     pub names: Vec<String>,
     /// Their values.
     pub values: Vec<f64>,
+}
+
+impl Shape {
+    fn listed(&self) -> impl Iterator<Item = Parameter> {
+        self.names.iter().zip(&self.values).map(|(name, value)| Parameter {
+            name: name.clone(),
+            effect: self.effect.clone(),
+            value: Some(*value),
+            unit: Unit::in_name(name).symbol.into(),
+            observable: true,
+            note: "of its shape: no uncertainty is stated".into(),
+            ..Parameter::default()
+        })
+    }
 }
 
 /// An excluded point.
@@ -248,6 +263,16 @@ impl Identification {
     #[must_use]
     pub fn judged(self, model_adequate: Option<bool>) -> Self {
         Self { model_adequate: model_adequate.or(self.model_adequate), ..self }
+    }
+
+    /// Parameters as tables list them: those of each effect, then its shape numbers.
+    pub fn listed(&self) -> Vec<Parameter> {
+        let of_effect = |effect: &String| {
+            let own = self.parameters.iter().filter(move |p| p.effect == *effect).cloned();
+            let shapes = self.shapes.iter().filter(move |shape| shape.effect == *effect);
+            own.chain(shapes.flat_map(Shape::listed)).collect::<Vec<_>>()
+        };
+        self.effects.iter().flat_map(of_effect).collect()
     }
 
     /// The parameter of this name.

@@ -333,7 +333,7 @@ pub fn inadequate(fit: &Identification) -> Option<String> {
 /// What was left out of the fit for its held-out error.
 pub fn left_out(unit: Option<LeftOut>) -> String {
     unit.map_or_else(
-        || "there is no unit to leave out".into(),
+        || "no part of these data predicts another".into(),
         |unit| format!("on {} left out of the fit", unit.plural()),
     )
 }

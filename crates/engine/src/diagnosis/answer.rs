@@ -4,10 +4,10 @@ use crate::diagnosis::constancy::is_constant;
 use crate::diagnosis::families::Number;
 use crate::diagnosis::judged::{OpenEffect, Verdict};
 use crate::diagnosis::judgement::{
-    noise_sizes, nothing_claimed, noticeable_um, open_effects, remainder_is_natural, units_differ,
-    within_repeats,
+    is_noise_unknown, more_than_noise, noise_sizes, nothing_claimed, noticeable_um, open_effects,
+    remainder_is_natural, units_differ,
 };
-use crate::diagnosis::kept::Kept;
+use crate::diagnosis::kept::{Kept, Refits};
 use crate::diagnosis::options::{DiagnoseError, Options};
 use crate::diagnosis::refits::{Explained, Refit, Unfitted};
 use crate::diagnosis::rivals::{CONFUSED_LN, confused_with};
@@ -59,7 +59,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     if let Some(effect) = kept.predicts_nothing(&listed, &refits) {
         return Ok(Answer::NotAdded { effect });
     }
-    let mut candidates = context.candidates(&listed, &refits.candidates, &explained);
+    let mut candidates = context.candidates(&listed, &refits, &explained);
     let formula_leads = context.formula_leads(&listed);
     if formula_leads {
         // None of them is the answer: the one that does most comes closest to it.
@@ -77,13 +77,20 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         (true, false) => (Verdict::UnnamedStructure, String::new(), String::new()),
     };
     let unfitted = refits.unfitted.iter().map(Unfitted::words);
-    let remains = refits.set.as_ref().filter(|_| verdict == Verdict::MissingEffect);
+    let remains = refits.all_found().filter(|_| verdict == Verdict::MissingEffect);
     let remains = remains.and_then(|refit| context.what_remains(refit));
     let of_sign = kept.meaning_of_sign(&listed, &refits.candidates);
     for sentence in unfitted.chain(of_sign).chain(remains) {
         why = format!("{why} {sentence}").trim_start().into();
     }
-    if verdict == Verdict::UnnamedStructure && formula.is_none() && next.is_empty() {
+    let is_repeat = match verdict {
+        Verdict::UnnamedStructure => formula.is_none(),
+        Verdict::MissingEffect => {
+            refits.all_found().is_some_and(|refit| is_noise_unknown(fit, refit.rms_mm()))
+        }
+        _ => false,
+    };
+    if is_repeat && next.is_empty() {
         next = NextCycle::repeat(problem.experiment()).suggestion;
     }
     let next_cycle = candidates
@@ -201,22 +208,26 @@ impl Context<'_> {
     }
 
     /// One for each of the listed that can be added.
-    fn candidates(
-        &self,
-        listed: &[(usize, Item)],
-        refits: &[Option<Refit>],
-        explained: &Explained,
-    ) -> Vec<Candidate> {
-        let with = listed.iter().zip(refits);
+    fn candidates(&self, listed: &[(usize, Item)], refits: &Refits, explained: &Explained) -> Vec<Candidate> {
+        let with = listed.iter().zip(&refits.candidates);
         with.filter_map(|((group, item), refit)| {
-            Some(self.candidate(*group, item, refit.as_ref()?, explained))
+            let (refit, set) = (refit.as_ref()?, refits.set.as_ref());
+            Some(self.candidate(*group, item, [refit, set.unwrap_or(refit)], explained))
         })
         .collect()
     }
 
-    fn candidate(&self, group: usize, item: &Item, refit: &Refit, explained: &Explained) -> Candidate {
+    /// The fits with it alone and, where more was found, with all that was found.
+    fn candidate(
+        &self,
+        group: usize,
+        item: &Item,
+        [refit, with_all]: [&Refit; 2],
+        explained: &Explained,
+    ) -> Candidate {
         let scan = self.scan;
-        let explains_all = self.adequate(item) && within_repeats(self.problem.fit(), refit.rms_mm());
+        let explains_all =
+            self.adequate(item) && more_than_noise(self.problem.fit(), refit.rms_mm()).is_none();
         // As the model with it is judged once it is added.
         let doubt = if explains_all { units_differ(refit.fit()) } else { None };
         let instance = &scan.named[group].instance;
@@ -224,6 +235,7 @@ impl Context<'_> {
         let confused =
             if is_found { confused_with(scan, self.found, item, self.options.claim_ln) } else { Vec::new() };
         let rivals: Vec<_> = confused.iter().map(|&g| &scan.named[g].instance).collect();
+        let shown = if is_found { with_all } else { refit };
         let (parameters, mut waves) = self.parameters(refit);
         let own = waves.iter().position(|(effect, _)| *effect == instance.id());
         let period = own.map(|at| waves.swap_remove(at).1);
@@ -238,6 +250,8 @@ impl Context<'_> {
             confused_with: rivals.iter().map(|instance| instance.id()).collect(),
             adequate: explains_all && doubt.is_none(),
             remarks: period.iter().map(Wave::words).chain(doubt).collect(),
+            doubts: shown.doubts(self.problem, &instance.id()),
+            seen_together: shown.seen_together(&instance.id()).cloned().collect(),
             period,
         }
     }
@@ -301,11 +315,8 @@ impl Context<'_> {
     fn what_remains(&self, refit: &Refit) -> Option<String> {
         let asked = [
             (
-                !within_repeats(self.problem.fit(), refit.rms_mm()),
-                "more is left than visits of one pose differ by",
-            ),
-            (
-                units_differ(refit.fit()).is_some(),
+                // The remark on a single one has the figures.
+                self.found.items.len() > 1 && units_differ(refit.fit()).is_some(),
                 "passes or setups that the fit leaves out are predicted worse than visits of one pose differ by",
             ),
             (
@@ -314,10 +325,11 @@ impl Context<'_> {
             ),
         ];
         let of_fit = asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why);
-        let reasons: Vec<&str> = of_fit.chain(self.is_more()).collect();
+        let noise = more_than_noise(self.problem.fit(), refit.rms_mm());
+        let reasons: Vec<&str> = noise.into_iter().chain(of_fit).chain(self.is_more()).collect();
         (!reasons.is_empty()).then(|| {
             format!(
-                "All that was found together is not adequate: {}. Add these effects to the model, then diagnose again.",
+                "What was found is not adequate: {}. Add it to the model, then diagnose again.",
                 reasons.join("; ")
             )
         })

@@ -22,7 +22,8 @@ use trunnion_core::statistics::upper_median;
 
 /// Every machine has repeatable motions; up to this times the noise of a single reading they are no finding.
 const NATURAL_PATTERN: f64 = 1.5;
-/// Share of what exceeds the repeatability that must come back, or wander, to be what makes it up: the larger part.
+/// The larger part: share of what exceeds the repeatability that must come back, or wander, to be what makes it up, and of a residual
+/// without repeats that what was found must explain.
 const LARGER_PART: f64 = 0.5;
 /// An effect is noticed in half of the cases where ½ z² reaches its price, almost always at 1.4 times that.
 const ALMOST_ALWAYS: f64 = 1.4;
@@ -171,9 +172,20 @@ pub fn units_differ(fit: &Identification) -> Option<String> {
     ))
 }
 
-/// True where a residual is no larger than repeats allow, or where no repeat says what they allow.
-pub fn within_repeats(fit: &Identification, rms_mm: f64) -> bool {
-    fit.repeatability.is_none_or(|noise| noise.allows(rms_mm))
+/// Why what is left of the residual of `fit` may be more than noise.
+pub fn more_than_noise(fit: &Identification, left_mm: f64) -> Option<&'static str> {
+    match fit.repeatability {
+        Some(noise) if noise.allows(left_mm) => None,
+        Some(_) => Some("more is left than visits of one pose differ by"),
+        None => is_noise_unknown(fit, left_mm).then_some(
+            "most of the residual is left, and no pose was measured twice, which would show whether that is noise",
+        ),
+    }
+}
+
+/// Where no repeat says what noise is, only what takes the larger part of the mean square away shows that it was no noise.
+pub fn is_noise_unknown(fit: &Identification, left_mm: f64) -> bool {
+    fit.repeatability.is_none() && left_mm.powi(2) > LARGER_PART * fit.rms_mm.powi(2)
 }
 
 /// True where the pattern that remains next to all that was found, and the scatter from stop to stop, are no larger than natural: what an

@@ -15,6 +15,8 @@ pub struct Refits {
     pub formula: Option<Refit>,
     /// With everything that was found together.
     pub set: Option<Refit>,
+    /// Whether everything found is the first of the candidates.
+    only: bool,
     /// With everything but one of the names, where that is more than one thing.
     but: Vec<(usize, Refit)>,
     /// Those that failed.
@@ -22,6 +24,11 @@ pub struct Refits {
 }
 
 impl Refits {
+    /// With everything that was found, be it one name or more.
+    pub fn all_found(&self) -> Option<&Refit> {
+        self.set.as_ref().or_else(|| self.only.then(|| self.candidates.first()?.as_ref())?)
+    }
+
     pub fn explained(&self, problem: &Problem<'_>) -> Explained {
         let before_mm = problem.fit().rms_mm;
         let all = self.candidates.iter().flatten().chain(&self.formula).chain(&self.set);
@@ -68,7 +75,9 @@ impl<'a> Kept<'a> {
         let mut candidates: Vec<_> = fits.into_iter().map(fitted).collect();
         let set = if with_set { candidates.pop().flatten() } else { None };
         let formula = if with_formula { candidates.pop().flatten() } else { None };
-        Refits { candidates, formula, set, but, unfitted }
+        let is_first = |item: &Item| listed.first().is_some_and(|(_, first)| first.what == item.what);
+        let only = matches!(&self.found.items[..], [item] if is_first(item));
+        Refits { candidates, formula, set, only, but, unfitted }
     }
 
     /// The last of the names with which the model, as a person adds it, is no better than with the others that were found: the veto of

@@ -2,9 +2,11 @@
 
 use crate::diagnosis::verdict::CandidateParameter;
 use crate::evidence::parallel;
+use crate::fit::doubts::{Doubt, doubts_of};
 use crate::fit::identification::Identification;
 use crate::fit::options::IdentifyError;
 use crate::problem::Problem;
+use crate::solve::combinations::Combination;
 use trunnion_core::chain;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::um;
@@ -89,6 +91,14 @@ impl Refit {
         self.fit.holdout_rms_mm().map(um_from_mm)
     }
 
+    /// What to doubt in the numbers of one of the effects.
+    pub fn doubts(&self, problem: &Problem<'_>, id: &str) -> Vec<Doubt> {
+        let mut model = problem.model().clone();
+        model.effects.extend(self.added.iter().cloned());
+        let own = self.fit.effects.iter().find(|effect| effect.id == id);
+        own.map_or_else(Vec::new, |effect| doubts_of(problem.experiment(), &model, &self.fit, effect))
+    }
+
     /// Effects that were added, with their shape numbers.
     pub fn shapes(&self) -> impl Iterator<Item = (&str, &[f64])> {
         let effects = self.fit.effects.iter().filter(|effect| self.is_new(&effect.id));
@@ -121,16 +131,24 @@ impl Refit {
         })
     }
 
-    /// Why a name stands for nothing in this fit: none of its parameters has a value there, as the model imitates all of them.
+    /// Why a name stands for nothing in this fit: neither a parameter of it nor a combination of them has a value there, as the model imitates
+    /// all of them.
     pub fn unseen(&self, instance: &Instance) -> Option<String> {
         let id = instance.id();
         let mut own = self.fit.parameters.iter().filter(|p| p.effect == id).peekable();
-        (own.peek().is_some() && own.all(|p| p.value.is_none())).then(|| {
+        let is_nothing = own.peek().is_some() && own.all(|p| p.value.is_none());
+        (is_nothing && self.seen_together(&id).next().is_none()).then(|| {
             format!(
                 "{} fits best, but the model with it determines none of its parameters: the positions of this cycle do not show it.",
                 effect_name(&id)
             )
         })
+    }
+
+    /// Combinations of parameters of one effect that have a value although none of them has.
+    pub fn seen_together<'f>(&'f self, id: &'f str) -> impl Iterator<Item = &'f Combination> {
+        let is_own = move |j: &usize| self.fit.parameters[*j].effect == id;
+        self.fit.seen_together.iter().filter(move |combination| combination.parameters.iter().all(is_own))
     }
 
     /// What a parameter of `instance` says of the machine by its sign, which readings with every sign reversed turn round.

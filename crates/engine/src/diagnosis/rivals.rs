@@ -30,12 +30,15 @@ pub fn confused_with(scan: &Scan<'_>, found: &Found, item: &Item, claim_ln: f64)
     };
     let Some(view) = view else { return Vec::new() };
     let scored: Vec<Scored> = if alone { found.first.clone() } else { named(scan, &view, &[], claim_ln) };
+    // What is worth a claim next to all that was found is there too, and stands for nothing of it.
+    let is_another = |g: &usize| found.last.named[*g].ln_bf > claim_ln;
     let of_group = |g: usize| move |scored: &&Scored| scored.item.what == What::Named(g);
     let own = scored.iter().find(of_group(group)).map_or(f64::INFINITY, |scored| scored.ln_bf);
     let mut confused: Vec<usize> = scored
         .iter()
         .filter(|scored| scored.ln_bf > own - CONFUSED_LN && scored.ln_bf > 0.0)
         .filter_map(|scored| scored.item.what.group())
+        .filter(|g| !is_another(g))
         .collect();
     confused.extend(imitators(scan, &view, item));
     let mut seen = vec![group];

@@ -1,10 +1,12 @@
 //! The answer of a diagnosis.
 
 use crate::diagnosis::judged::{LearnedNoise, OpenEffect, Verdict};
+use crate::fit::doubts::Doubt;
 use crate::next_cycle::PlannedCycle;
 use crate::problem::Problem;
 use crate::problem::experiment::Experiment;
 use crate::problem::folds::LeftOut;
+use crate::solve::combinations::Combination;
 use crate::spectrum::Wave;
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
@@ -150,6 +152,10 @@ pub struct Candidate {
     pub period: Option<Wave>,
     /// What a person should know of it that no number here says: its period in words, and what else was looked at.
     pub remarks: Vec<String>,
+    /// Its numbers to doubt, as fitted together with all that was found where it is one of that, else alone.
+    pub doubts: Vec<Doubt>,
+    /// Combinations of its parameters that have a value although none of these has, fitted likewise.
+    pub seen_together: Vec<Combination>,
 }
 
 /// A fitted parameter of a candidate.

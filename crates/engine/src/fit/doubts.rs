@@ -4,7 +4,7 @@
 //!   settings projected out; share of the variance of coefficient j in direction k: π_jk = (v_jk²/s_k²) / Σ_k (v_jk²/s_k²). Where η_k > 30
 //!   and the π_jk of those directions add up to more than ½ for two or more coefficients, these are collinear [Belsley 1980].
 //! - A parameter larger than its cause allows (`Limit`).
-//! - A time constant longer than the longest run: its course was never seen.
+//! - A time constant longer than the longest run: its course was never seen. One shorter than the time between readings: no lag was seen.
 //! - One stated direction of an axis that goes both ways: an approach from one side, or a column that was never filled in.
 //! - Readings at rest that scatter as no machining centre in order does: a wrong unit, or something loose.
 
@@ -16,6 +16,7 @@ use crate::{Experiment, Status};
 use nalgebra::DMatrix;
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::statistics::upper_median;
 use trunnion_cycles::RunKind;
 use trunnion_effects::{Instance, Limit, Model, Parameter, Role, Unit};
 
@@ -62,6 +63,13 @@ pub enum DoubtReason {
         /// The longest run, s.
         longest_s: f64,
     },
+    /// A time constant shorter than the time between two readings.
+    ShorterThanStep {
+        /// Its value, s.
+        tau_s: f64,
+        /// Usual time from one reading to the next, s.
+        step_s: f64,
+    },
     /// One direction is stated at every point of an axis that went both ways.
     OneDirection {
         /// The axis.
@@ -82,34 +90,42 @@ pub enum DoubtReason {
 pub fn doubts(experiment: &Experiment, model: &Model, fit: &Identification) -> Vec<Doubt> {
     let mut found: Vec<Doubt> = scatter(experiment, fit).into_iter().collect();
     found.extend(one_direction(experiment));
-    let columns = |id: &str, shape: &[f64]| {
-        let entry = model.effects.iter().find(|entry| entry.id == id)?;
+    found.extend(fit.effects.iter().flat_map(|effect| doubts_of(experiment, model, fit, effect)));
+    found
+}
+
+/// What to doubt in the numbers of one effect in a fit of `model`.
+pub(crate) fn doubts_of(
+    experiment: &Experiment,
+    model: &Model,
+    fit: &Identification,
+    effect: &FittedEffect,
+) -> Vec<Doubt> {
+    let columns = |effect: &FittedEffect| {
+        let entry = model.effects.iter().find(|entry| entry.id == effect.id)?;
         let instance = Instance::from_model_effect(entry, experiment.machine()).ok()?;
-        Some(experiment.columns(&instance, shape))
+        Some(experiment.columns(&instance, &effect.shape))
     };
-    let is_setting = |effect: &&FittedEffect| {
-        trunnion_effects::catalogue::effect(&effect.id).is_some_and(|effect| effect.role == Role::Setting)
-    };
-    let of_settings = fit.effects.iter().filter(is_setting);
-    let settings = of_settings
-        .filter_map(|effect| columns(&effect.id, &effect.shape))
-        .fold(DMatrix::zeros(experiment.rows(), 0), |all, of_effect| joined(&all, &of_effect));
-    for effect in &fit.effects {
-        let of_effect: Vec<_> = fit.parameters.iter().filter(|p| p.effect == effect.id).collect();
-        let coefficients: Vec<usize> = (0..of_effect.len())
-            .filter(|&j| of_effect[j].status == Status::Identified && of_effect[j].unit == Unit::UM_PER_K)
-            .collect();
-        found.extend(beyond_physical(experiment, model, effect, &of_effect));
-        if coefficients.len() > 1
-            && let Some(all) = columns(&effect.id, &effect.shape)
-            && let Some((condition_index, involved)) = collinear(all.select_columns(&coefficients), &settings)
-        {
+    let of_effect: Vec<_> = fit.parameters.iter().filter(|p| p.effect == effect.id).collect();
+    let coefficients: Vec<usize> = (0..of_effect.len())
+        .filter(|&j| of_effect[j].status == Status::Identified && of_effect[j].unit == Unit::UM_PER_K)
+        .collect();
+    let mut found = beyond_physical(experiment, model, effect, &of_effect);
+    if coefficients.len() > 1
+        && let Some(all) = columns(effect)
+    {
+        let is_setting = |effect: &&FittedEffect| {
+            trunnion_effects::catalogue::effect(&effect.id).is_some_and(|effect| effect.role == Role::Setting)
+        };
+        let settings = fit.effects.iter().filter(is_setting).filter_map(columns);
+        let settings = settings.fold(DMatrix::zeros(experiment.rows(), 0), |all, own| joined(&all, &own));
+        if let Some((condition_index, involved)) = collinear(all.select_columns(&coefficients), &settings) {
             let names = involved.into_iter().map(|k| of_effect[coefficients[k]].name.clone()).collect();
             let reason = DoubtReason::Collinear { condition_index };
             found.push(Doubt { effect: Some(effect.id.clone()), names, reason });
         }
-        found.extend(longer_than_run(experiment, effect));
     }
+    found.extend(unseen_course(experiment, effect));
     found
 }
 
@@ -181,30 +197,38 @@ fn collinear(mut columns: DMatrix<f64>, settings: &DMatrix<f64>) -> Option<(f64,
     (involved.len() > 1).then(|| ((largest / eigen.eigenvalues.min()).sqrt(), involved))
 }
 
-fn longer_than_run(experiment: &Experiment, effect: &FittedEffect) -> Option<Doubt> {
-    let longest_s = (0..experiment.runs.len())
-        .filter_map(|run| {
-            let times = (0..experiment.points.len())
-                .filter(|&i| experiment.run_of_point[i] == run)
-                .filter_map(|i| experiment.points[i].state.time_s);
-            let (first, last) =
-                times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
-            (last > first).then_some(last - first)
-        })
-        .fold(0.0, f64::max);
+/// Time constants whose course the times of the readings do not show.
+fn unseen_course(experiment: &Experiment, effect: &FittedEffect) -> Vec<Doubt> {
     let is_time_constant = |name: &str| name.starts_with("tau") && name.ends_with("_s");
-    let long = effect
-        .shape_names
-        .iter()
-        .zip(&effect.shape)
-        .filter(|(name, tau_s)| is_time_constant(name) && longest_s > 0.0 && **tau_s > longest_s);
-    let (names, values): (Vec<String>, Vec<f64>) = long.map(|(name, tau_s)| (name.clone(), *tau_s)).unzip();
-    let tau_s = values.into_iter().reduce(f64::max)?;
-    Some(Doubt {
-        effect: Some(effect.id.clone()),
-        names,
-        reason: DoubtReason::LongerThanRun { tau_s, longest_s },
-    })
+    let numbers = effect.shape_names.iter().zip(&effect.shape);
+    let constants: Vec<(&String, f64)> =
+        numbers.filter(|(name, _)| is_time_constant(name)).map(|(name, tau_s)| (name, *tau_s)).collect();
+    if constants.is_empty() {
+        return Vec::new();
+    }
+    let of_run = |run: usize| -> Vec<f64> {
+        let own = (0..experiment.points.len()).filter(|&i| experiment.run_of_point[i] == run);
+        own.filter_map(|i| experiment.points[i].state.time_s).collect()
+    };
+    let runs: Vec<Vec<f64>> = (0..experiment.runs.len()).map(of_run).collect();
+    let length_s = |times: &Vec<f64>| match times.iter().copied().reduce(f64::max) {
+        Some(last) => last - times.iter().copied().fold(last, f64::min),
+        None => 0.0,
+    };
+    let longest_s = runs.iter().map(length_s).fold(0.0, f64::max);
+    let steps: Vec<f64> =
+        runs.iter().flat_map(|times| times.windows(2).map(|two| (two[1] - two[0]).abs())).collect();
+    let step_s = upper_median(&steps).unwrap_or(0.0);
+    let doubt = |is_meant: &dyn Fn(f64) -> bool, reason: &dyn Fn(f64) -> DoubtReason| {
+        let meant: Vec<_> =
+            constants.iter().filter(|(_, tau_s)| longest_s > 0.0 && is_meant(*tau_s)).collect();
+        let tau_s = meant.iter().map(|(_, tau_s)| *tau_s).reduce(f64::max)?;
+        let names = meant.iter().map(|(name, _)| (*name).clone()).collect();
+        Some(Doubt { effect: Some(effect.id.clone()), names, reason: reason(tau_s) })
+    };
+    let long = doubt(&|tau_s| tau_s > longest_s, &|tau_s| DoubtReason::LongerThanRun { tau_s, longest_s });
+    let short = doubt(&|tau_s| tau_s < step_s, &|tau_s| DoubtReason::ShorterThanStep { tau_s, step_s });
+    long.into_iter().chain(short).collect()
 }
 
 #[cfg(test)]

@@ -20,6 +20,8 @@ const ZERO: f64 = 1e-8;
 /// A combination of parameters that the data determine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Combination {
+    /// Which parameters take part.
+    pub parameters: Vec<usize>,
     /// In words, e.g. `linear-scale:X.scale + linear-scale:Y.scale`.
     pub text: String,
     /// Value on the screen.
@@ -75,6 +77,7 @@ pub(crate) fn seen_together(
             .sum();
         let spelt: Vec<(String, f64)> = terms.iter().map(|(j, c)| (names[*j].name.clone(), *c)).collect();
         Combination {
+            parameters: terms.iter().map(|(j, _)| *j).collect(),
             text: spell(&spelt),
             value: terms.iter().map(screen).sum(),
             u: variance.max(0.0).sqrt(),

@@ -77,7 +77,7 @@ fn backlash_and_drift_are_found_one_after_the_other() {
         assert!(together.parameters.iter().any(|p| p.effect == id && p.u.is_some()), "{together:?}");
     }
     // What is not adequate says why, and what to do.
-    assert_eq!(both.why.contains("Add these effects to the model, then diagnose again"), !together.adequate);
+    assert_eq!(both.why.contains("Add it to the model, then diagnose again"), !together.adequate);
     let first = both.candidates[0].effect.clone();
     assert!(truth.contains(&first.as_str()), "{first}");
     let second = diagnosed("points-backlash-and-drift", &[&first]).candidates[0].effect.clone();

@@ -9,7 +9,7 @@ use trunnion_cycles::Run;
 use trunnion_effects::Model;
 use trunnion_engine::fit::Options;
 use trunnion_engine::plausibility::implausible;
-use trunnion_engine::{Approach, Experiment, Repeatability, identify};
+use trunnion_engine::{Approach, Experiment, Repeatability, Verdict, diagnose, diagnosis, identify};
 
 const WHITE_MM: f64 = 0.3e-3;
 
@@ -84,4 +84,25 @@ fn a_probe_that_repeats_from_one_side_is_not_called_loose() {
     };
     assert!(!is_loose(|_, state| state.direction[Joint::Y] * state.position[Joint::C].cos()));
     assert!(is_loose(|i, _| (1.7 * (i * i) as f64).sin()));
+}
+
+/// C moves along Z in two waves a turn, smaller than the noise: one pass does not say whether what is left next to them is noise.
+#[test]
+fn a_small_cause_is_adequate_only_where_repeats_say_what_noise_is() {
+    for count in [1, 2] {
+        let mut run = rounds(count, 0.0);
+        run.points.retain(|point| point.state.direction[Joint::C] > 0.0);
+        for point in &mut run.points {
+            point.reading_mm[2] += 0.35e-3 * (2.0 * point.state.position[Joint::C]).cos();
+        }
+        let experiment = Experiment::new(&[run]).unwrap();
+        let found = diagnose(&experiment, &Model::base("table-bc"), &diagnosis::Options::default()).unwrap();
+        assert_eq!(found.verdict, Verdict::MissingEffect, "{}", found.why);
+        let [cause] = &found.candidates[..] else { panic!("{:?}", found.candidates) };
+        assert_eq!(cause.effect, "axial-error-motion:C");
+        assert!(cause.rms_um_after.powi(2) > 0.7 * found.residual.rms_um.powi(2));
+        assert_eq!(cause.adequate, count > 1, "{}", found.why);
+        let is_asked = found.why.contains("no pose was measured twice") && found.next_cycle.is_some();
+        assert_eq!(is_asked, count == 1, "{}", found.why);
+    }
 }

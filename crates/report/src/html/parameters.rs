@@ -17,15 +17,16 @@ fn together(c: &Combination) -> Vec<String> {
 
 pub fn section(input: &Comparison) -> String {
     let fit = &input.identification;
-    let mut effects: Vec<&str> = fit.parameters.iter().map(|p| p.effect.as_str()).collect();
+    let listed = fit.listed();
+    let mut effects: Vec<&str> = listed.iter().map(|p| p.effect.as_str()).collect();
     effects.dedup();
     let mut body = inadequate(fit).map_or(String::new(), |sentence| element("p", &sentence));
     for effect in effects {
-        let rows: Vec<_> = fit.parameters.iter().filter(|p| p.effect == effect).map(cells).collect();
+        let rows: Vec<_> = listed.iter().filter(|p| p.effect == effect).map(cells).collect();
         let head = ["parameter", "value", "standard uncertainty", "remark"];
         body += &table(&crate::words::effect_name(effect), &head, &[1, 2], &rows);
     }
-    if fit.parameters.is_empty() {
+    if listed.is_empty() {
         body += &element("p", "The model has no parameters.");
     }
     if !fit.seen_together.is_empty() {
