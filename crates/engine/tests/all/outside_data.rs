@@ -4,7 +4,8 @@ use crate::common::{points_run, set};
 use std::f64::consts::LN_10;
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_engine::diagnosis::Options;
-use trunnion_engine::{Candidate, Diagnosis, Experiment, Verdict, diagnose};
+use trunnion_engine::fit::doubts::DoubtReason;
+use trunnion_engine::{Candidate, Diagnosis, Doubt, Experiment, Verdict, diagnose};
 
 fn diagnosed(set: &str, added: &[&str]) -> Diagnosis {
     let run = points_run(set);
