@@ -6,7 +6,7 @@ use crate::number::{um, value_and_u};
 use crate::to_do::to_do;
 use crate::words::{
     effect_name, evidence_words, explanation, formula_leads, formula_shape, formula_site, headline, is_found,
-    sizes, sizes_from, verdict,
+    sizes, sizes_from, verdict, without_size,
 };
 use trunnion_results::sentences::complete;
 use trunnion_results::{
@@ -70,11 +70,12 @@ fn named(diagnosis: &Diagnosis, candidate: &Candidate) -> StoryCandidate {
     let speaks = candidate.remarks.join(" ");
     let mut about = Vec::new();
     if !speaks.is_empty() {
-        about.push(["What speaks for it".into(), speaks]);
+        about.push(["Remarks".into(), speaks]);
     }
     if let Some(from) = sizes_from(diagnosis, candidate) {
         about.push(["Its size".into(), format!("{from}; the residual above is with this effect alone.")]);
     }
+    about.extend(without_size(diagnosis, candidate).map(|said| ["Its size".into(), said]));
     about.extend(explanation(&candidate.effect).into_iter().map(|(label, text)| [label.into(), text]));
     StoryCandidate {
         effect: candidate.effect.clone(),

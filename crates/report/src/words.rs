@@ -241,6 +241,17 @@ pub(crate) fn is_found(diagnosis: &Diagnosis, candidate: &Candidate) -> bool {
 
 /// How large a candidate is: as fitted with what was found together with it, else alone.
 pub(crate) fn sizes<'d>(diagnosis: &'d Diagnosis, candidate: &'d Candidate) -> Vec<&'d Parameter> {
+    fitted(diagnosis, candidate).into_iter().filter(|p| p.observable).collect()
+}
+
+/// Which of its parameters have no size.
+pub(crate) fn without_size(diagnosis: &Diagnosis, candidate: &Candidate) -> Option<String> {
+    let of_sight: Vec<_> =
+        fitted(diagnosis, candidate).into_iter().filter(|p| !p.observable).map(|p| p.name.as_str()).collect();
+    (!of_sight.is_empty()).then(|| format!("Not observable in these runs: {}.", of_sight.join(", ")))
+}
+
+fn fitted<'d>(diagnosis: &'d Diagnosis, candidate: &'d Candidate) -> Vec<&'d Parameter> {
     match diagnosis.found_together() {
         Some((_, together)) if is_found(diagnosis, candidate) => together.parameters_of(&candidate.effect),
         _ => candidate.parameters.iter().collect(),

@@ -6,7 +6,7 @@ use crate::number::{fixed, value_and_u};
 use crate::svg::{Bar, bars};
 use crate::words::{
     EXPLAINS, TOGETHER, about, bars_legend, candidate_figures, effect_name, formula_shape, formula_site,
-    nothing_named, sizes, sizes_from, sources, together_figures, units,
+    nothing_named, sizes, sizes_from, sources, together_figures, units, without_size,
 };
 use trunnion_results::{Candidate, Comparison, Diagnosis, FormulaProposal, Parameter};
 
@@ -83,12 +83,13 @@ fn size_table(diagnosis: &Diagnosis, best: &Candidate) -> String {
         vec![p.name.clone(), value, u]
     };
     let rows: Vec<_> = sizes(diagnosis, best).into_iter().map(row).collect();
+    let unseen = without_size(diagnosis, best).map_or(String::new(), |said| element("p", &said));
     if rows.is_empty() {
-        return String::new();
+        return unseen;
     }
     let from = sizes_from(diagnosis, best).map_or(String::new(), |from| format!(", {from}"));
     let caption = format!("How big {} is, with its standard uncertainty{from}", best.effect);
-    table(&caption, &["parameter", "value", "uncertainty"], &[1, 2], &rows)
+    table(&caption, &["parameter", "value", "uncertainty"], &[1, 2], &rows) + &unseen
 }
 
 fn candidates_table(diagnosis: &Diagnosis) -> String {

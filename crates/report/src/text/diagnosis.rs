@@ -7,7 +7,7 @@ use crate::to_do::to_do;
 use crate::words::{
     EXPLAINS, TOGETHER, beyond_catalogue, candidate_figures, effect_name, evidence_words, explanation,
     formula_leads, formula_shape, formula_site, headline, left_out, names, noticeable, remaining_pattern,
-    repeatability, sizes, sizes_from, together_figures,
+    repeatability, sizes, sizes_from, together_figures, without_size,
 };
 use std::iter::once;
 use trunnion_results::sentences::doubts;
@@ -121,6 +121,7 @@ fn candidate(diagnosis: &Diagnosis, best: &Candidate) -> String {
         let (value, u) = value_and_u(p.value, p.u, &p.unit);
         out += &format!("  {} = {value}, u = {u}\n", clean(&p.name));
     }
+    out += &without_size(diagnosis, best).map_or(String::new(), |said| paragraph(&said));
     if !best.confused_with.is_empty() {
         let separate = Some(&best.separate_by).filter(|said| *said != measure_next(diagnosis));
         let separate = separate.map_or(String::new(), |said| format!(" To separate them: {said}"));
