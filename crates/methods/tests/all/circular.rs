@@ -236,6 +236,23 @@ fn what_is_on_no_list_is_left_as_unexplained() {
     assert!(found.notes.iter().any(|note| note.contains("does not explain everything")));
 }
 
+/// ISO 230-4 speaks of whole circles.
+#[test]
+fn values_of_an_arc_are_said_to_be_no_circles() {
+    let said = |is_read: fn(&State) -> bool| {
+        let mut run = circle(|_| (0.0, 0.0), 0.3, true);
+        run.points.retain(|point| is_read(&point.state));
+        let found = circular(run);
+        let note = found.value("XY G(b)").unwrap().note.clone();
+        (
+            note.contains("of an arc of 180° alone"),
+            found.notes.iter().any(|note| note.contains("Run whole circles")),
+        )
+    };
+    assert_eq!(said(|_| true), (false, false));
+    assert_eq!(said(|state| state.position[Y] > 0.0), (true, true));
+}
+
 #[test]
 fn values_of_iso_230_4_are_those_computed_by_hand() {
     // Oval of ±2 µm alike both ways, radius 3 µm too large, setting of (8, −5) µm.

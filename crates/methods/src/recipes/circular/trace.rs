@@ -4,6 +4,7 @@ use super::plate;
 use crate::common::{Mounted, Recognised};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Vector2, Vector3};
+use std::f64::consts::{PI, TAU};
 use trunnion_core::statistics::upper_median;
 use trunnion_core::{InstrumentKind, Joint, Point, Setup};
 use trunnion_cycles::{Run, RunKind};
@@ -17,6 +18,8 @@ const STILL_RAD: f64 = 1e-4;
 const OUT_OF_PLANE_MM: f64 = 1e-4;
 /// Rows farther apart than so many usual steps do not follow a path; feeds of one circle do not differ by so much. A judgement, tuned on no data.
 const FARTHEST_STEPS: f64 = 10.0;
+/// A wider gap is no step between readings: what the circle would read there is not known. A sixth of the shortest lobe that the list has.
+const WHOLE_RAD: f64 = PI / 9.0;
 /// The list has some twenty unknowns.
 const LEAST_READINGS: usize = 60;
 
@@ -59,6 +62,16 @@ pub(super) enum Speed {
 }
 
 impl Trace {
+    /// The arc that it covers where that is no whole circle, rad.
+    pub fn arc_rad(&self) -> Option<f64> {
+        let mut angles: Vec<f64> = self.samples.iter().map(|sample| sample.angle_rad).collect();
+        angles.sort_by(f64::total_cmp);
+        let (first, last) = (*angles.first()?, *angles.last()?);
+        let gaps = angles.windows(2).map(|two| two[1] - two[0]).chain([first + TAU - last]);
+        let widest = gaps.fold(0.0, f64::max);
+        (widest > WHOLE_RAD).then_some(TAU - widest)
+    }
+
     /// Whether the run shows the speed along the path.
     pub fn knows_speed(&self) -> bool {
         matches!(self.speed, Speed::Run | Speed::Times)
