@@ -61,6 +61,58 @@ fn gravity_sag_is_found_first() {
     assert!(diagnosis.candidates[0].adequate);
 }
 
+/// A reading of a metre, or the overflow mark of an instrument, is left out of the fit. It decided the diagnosis all the same: another
+/// cause, or none.
+#[test]
+fn one_wild_reading_decides_nothing() {
+    let good = diagnosed("points-gravity", &[]);
+    for wild_mm in [1e3, 9.99e34] {
+        let mut run = points_run("points-gravity");
+        run.points[100].reading_mm[1] = wild_mm;
+        let model = Model::base(&run.machine.name);
+        let found = diagnose(&Experiment::new(&[run]).unwrap(), &model, &Options::default()).unwrap();
+        assert_eq!(set(&found), set(&good), "{wild_mm}");
+        let [with, without] = [&found, &good].map(|found| &found.candidates[0]);
+        // One point of 336 less.
+        assert!(
+            (with.evidence / without.evidence - 1.0).abs() < 0.03,
+            "{} {}",
+            with.evidence,
+            without.evidence
+        );
+        assert_eq!(with.adequate, without.adequate);
+    }
+}
+
+/// All gains together make all errors larger, so that none of them has a number: their differences have.
+#[test]
+fn gains_of_probes_are_named_by_their_differences() {
+    let mut run = points_run("points-nothing-hidden");
+    for point in &mut run.points {
+        point.reading_mm[0] *= 0.7;
+        point.reading_mm[1] *= 0.7;
+    }
+    let model = Model::base(&run.machine.name);
+    let found = diagnose(&Experiment::new(&[run]).unwrap(), &model, &Options::default()).unwrap();
+    let gain = &found.candidates[0];
+    assert_eq!(gain.effect, "probe-gain");
+    assert!(gain.parameters.iter().all(|p| p.value.is_none()));
+    // 1/0.7 − 1 = 0.43, as a part of readings that the model predicts too small.
+    let differences: Vec<f64> = gain.seen_together.iter().map(|seen| seen.value.abs()).collect();
+    assert!(differences.iter().any(|size| (300.0..450.0).contains(size)), "{:?}", gain.seen_together);
+}
+
+#[test]
+fn what_is_there_too_is_no_rival_and_numbers_are_doubted_before_they_are_added() {
+    let second = diagnosed("points-backlash-and-drift", &["thermal-drift"]);
+    let backlash = &second.candidates[0];
+    assert_eq!((backlash.effect.as_str(), backlash.confused_with.len()), ("backlash:C", 0));
+    let both = diagnosed("points-backlash-and-drift", &[]);
+    let drift = both.candidates.iter().find(|one| one.effect == "thermal-drift").unwrap();
+    let is_long = |doubt: &Doubt| matches!(doubt.reason, DoubtReason::LongerThanRun { .. });
+    assert!(drift.doubts.iter().any(is_long), "{:?}", drift.doubts);
+}
+
 #[test]
 fn backlash_and_drift_are_found_one_after_the_other() {
     let truth = ["backlash:C", "thermal-drift"];
