@@ -351,13 +351,14 @@ fn trial_outcome(trial: &Trial) -> String {
     format!("{fit}, {out} (repeatability {}). {word}{then}", um_or_dash(trial.noise_um))
 }
 
-/// What the bars and marks of a chart of errors are; `units`: what was left out of the fits in turn.
-pub fn bars_legend(units: &[&str]) -> String {
+/// What the bars and marks of a chart of errors are; `units`: what was left out of the fits in turn; `noise_um`: where a line is drawn.
+pub fn bars_legend(units: &[&str], noise_um: Option<f64>) -> String {
     let held_out = match units.is_empty() {
         true => String::new(),
         false => format!(" Diamonds: error on {} left out of the fit.", units.join(" or ")),
     };
-    format!("Bars: error of the fit.{held_out} Dashed: repeatability.")
+    let dashed = noise_um.filter(|n| n.is_finite()).map_or("", |_| " Dashed: repeatability.");
+    format!("Bars: error of the fit.{held_out}{dashed}")
 }
 
 /// What was left out of the fits in turn, as [`bars_legend`] takes it.

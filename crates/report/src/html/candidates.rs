@@ -27,7 +27,7 @@ fn found(input: &Comparison, diagnosis: &Diagnosis) -> String {
     }
     let mut body = bars(
         "Error before and after each candidate",
-        &bars_legend(&units(diagnosis.residual.holdout_unit)),
+        &bars_legend(&units(diagnosis.residual.holdout_unit), diagnosis.residual.noise_um),
         &steps(input, diagnosis),
         diagnosis.residual.noise_um,
     );

@@ -28,7 +28,7 @@ pub fn section(ladder: &Ladder) -> String {
         "Ladder: error after each effect",
         &format!(
             "{} Next to each effect: the location error that moved most when it came in, and by how many standard uncertainties u.",
-            bars_legend(&units_of(ladder))
+            bars_legend(&units_of(ladder), ladder.added().find_map(|(_, row)| row.noise_um))
         ),
         &steps,
         None,

@@ -44,7 +44,7 @@ pub fn headline(trial: &Trial, label: &str) -> String {
     });
     let chart = bars(
         "Error before and after",
-        &bars_legend(&units(trial.identification.holdout_unit)),
+        &bars_legend(&units(trial.identification.holdout_unit), trial.noise_um),
         &steps,
         trial.noise_um,
     );
