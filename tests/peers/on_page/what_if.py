@@ -18,6 +18,7 @@ def what_if(tab, after, before):
     check("the bars follow: chosen now is the fit without it", "without" in without and abs(widths()[0] - max(widths())) < 0.5, (without, widths()))
     tab.page.check('input[value="gravity-sag:B"]')
     check("and fall when it is on", widths()[0] < 0.6 * max(widths()), widths())
+    together(tab, shown)
     curves(tab)
     check("and back", abs(shown() - after) < 0.006, shown())
     tab.page.uncheck('input[value="low"]')
@@ -30,6 +31,27 @@ def what_if(tab, after, before):
     tab.page.fill("#expression", "k*cos(3*B)")
     tab.until("document.body.innerText.includes('--expression \"k*cos(3*B)\"')")
     check("an expression is checked as it is typed", True)
+
+
+def together(tab, shown):
+    """Candidates in pairs: their sizes are fitted together, so that two never leave more than the better one."""
+    boxes = tab.page.locator("#view fieldset").first.locator("input")
+    candidates = [box for box in boxes.all() if not box.is_checked()][:3]
+    alone = []
+    for box in candidates:
+        box.check()
+        alone.append(shown())
+        box.uncheck()
+    check("there are candidates to combine", len(candidates) >= 2, alone)
+    for i, one in enumerate(candidates):
+        for j in range(i):
+            one.check()
+            candidates[j].check()
+            both = shown()
+            check("two effects leave no more than the better one", both <= min(alone[i], alone[j]) + 1e-3, (alone[i], alone[j], both))
+            check("and the page says what the figure is", "sizes fitted together" in tab.text("#rms + p"), tab.text("#rms + p"))
+            one.uncheck()
+            candidates[j].uncheck()
 
 
 def curves(tab):

@@ -8,7 +8,7 @@ const SCRIPT: &str = "text/javascript; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";
 
 /// Name below `/assets/`, type, content.
-const ASSETS: [(&str, &str, &str); 21] = [
+const ASSETS: [(&str, &str, &str); 22] = [
     ("page.css", CSS, include_str!("assets/page.css")),
     ("report.css", CSS, trunnion::report::PAGE_CSS),
     ("main.js", SCRIPT, include_str!("assets/main.js")),
@@ -24,6 +24,7 @@ const ASSETS: [(&str, &str, &str); 21] = [
     ("poses.js", SCRIPT, include_str!("assets/poses.js")),
     ("pose-map.js", SCRIPT, include_str!("assets/pose-map.js")),
     ("what-if.js", SCRIPT, include_str!("assets/what-if.js")),
+    ("joint.js", SCRIPT, include_str!("assets/joint.js")),
     ("residual-bars.js", SCRIPT, include_str!("assets/residual-bars.js")),
     ("overlay.js", SCRIPT, include_str!("assets/overlay.js")),
     ("history.js", SCRIPT, include_str!("assets/history.js")),

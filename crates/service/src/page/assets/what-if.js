@@ -3,6 +3,7 @@
 import * as calls from "./calls.js";
 import { el, fold, notice, plain } from "./dom.js";
 import { heatMap, nearest, stations } from "./heat-map.js";
+import { factors } from "./joint.js";
 import { residualBars } from "./residual-bars.js";
 import { overlay } from "./overlay.js";
 import { posesOf } from "./poses.js";
@@ -99,9 +100,12 @@ function compute(state, shown) {
   const { linear, model, changes, deltas, firstRow, residual } = state;
   residual.set(linear.residual_um);
   const chosen = changes.map((_, i) => i).filter((i) => state.on[i]);
-  for (const i of chosen) for (let row = 0; row < residual.length; row++) residual[row] -= deltas[i][row];
   const exact = chosen.length === 0 ? model : chosen.length === 1 ? changes[chosen[0]] : null;
-  const excluded = new Set((exact ?? model).excluded);
+  // Of several fits the best says which points belong to none of them: it is the one to be better than.
+  const best = chosen.reduce((least, i) => (changes[i].rms_um < least.rms_um ? changes[i] : least), changes[chosen[0]] ?? model);
+  const excluded = new Set(best.excluded);
+  const by = exact ? new Float64Array(changes.length).fill(1) : factors(linear.residual_um, changes, deltas, chosen, rowsWithout(excluded, state));
+  for (const i of chosen) for (let row = 0; row < residual.length; row++) residual[row] -= by[i] * deltas[i][row];
   const takes = linear.points.map((point, i) => state.setups[point.setup] && state.ways[state.way[i]]);
   let [sum, count] = [0, 0];
   linear.points.forEach((_, i) => {
@@ -117,11 +121,27 @@ function compute(state, shown) {
   const whole = takes.every(Boolean);
   shown.remark.textContent = !whole ? "Of the chosen setups and directions."
     : exact ? `The fit of this set of effects gives ${exact.rms}.`
-    : "Several effects at once: each was fitted with the others as they are, so a fit of all of them may give somewhat less.";
+    : several(chosen.map((i) => changes[i]));
   if (shown.maps) drawMaps(state, takes, excluded, shown.maps);
   shown.bars.draw(rms, chosen);
   shown.curves?.draw(takes, excluded);
   shown.poses.update(takes);
+}
+
+function rowsWithout(excluded, { linear, firstRow }) {
+  const rows = [];
+  linear.points.forEach((_, i) => {
+    if (!excluded.has(i)) for (let row = firstRow[i]; row < firstRow[i + 1]; row++) rows.push(row);
+  });
+  return rows;
+}
+
+// What the figure of several changes is, next to the fit of all of them.
+function several(chosen) {
+  const out = chosen.filter(({ without }) => without).length;
+  if (!out) return "Several effects at once: the pattern of each as fitted alone, their sizes fitted together. A fit of all of them gives about this, or less.";
+  if (out === chosen.length) return "Several effects switched off at once: estimated from switching off each alone. A fit without all of them gives about this, or more.";
+  return "Effects switched on and off at once: estimated from the fit of each alone. One switched on that can stand in for one switched off leaves less in a fit.";
 }
 
 function drawMaps({ linear, firstRow, residual }, takes, excluded, maps) {
