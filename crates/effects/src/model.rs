@@ -249,6 +249,7 @@ fn read_ladder(table: &Table<'_>) -> Option<LadderRow> {
     let row = LadderRow {
         date: table.string("date").unwrap_or_default(),
         by: table.optional_string("by"),
+        with: table.optional_string("with"),
         run: table.string("run").unwrap_or_default(),
         error_before_um: table.number("error_before_um", error.clone()).unwrap_or_default(),
         error_after_um: table.number("error_after_um", error.clone()).unwrap_or_default(),
@@ -309,6 +310,9 @@ fn written_ladder(row: &LadderRow) -> Written {
     table["date"] = value(&row.date);
     if let Some(by) = &row.by {
         table["by"] = value(by);
+    }
+    if let Some(with) = &row.with {
+        table["with"] = value(with);
     }
     table["run"] = value(&row.run);
     let numbers = [

@@ -29,6 +29,13 @@ pub struct ModelEffect {
     pub values: Option<FittedValues>,
 }
 
+impl ModelEffect {
+    /// Id of the entry that it was added with, its own where it was added alone.
+    pub fn added_as(&self) -> &str {
+        self.ladder.as_ref().and_then(|row| row.with.as_deref()).unwrap_or(&self.id)
+    }
+}
+
 /// A value known beforehand with its standard uncertainty, screen units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior {
@@ -46,6 +53,10 @@ pub struct LadderRow {
     /// Who added it; left out where nobody gave a name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub by: Option<String>,
+    /// Id of the entry that it came in with, by one act: a formula of several components is one entry for each. The row of that entry is
+    /// that of all of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with: Option<String>,
     /// Runs it was fitted to; may be empty.
     pub run: String,
     /// Residual of the fit before, µm rms.

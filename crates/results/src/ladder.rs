@@ -32,7 +32,8 @@ pub enum LadderFormat {
 pub struct LadderEntry {
     /// Effect id.
     pub effect: String,
-    /// What adding it did; null for the effects of every model and for one written by hand.
+    /// What adding it did; null for the effects of every model, for one written by hand, and for one that came in with another by one act:
+    /// the row of that other is that of both.
     pub ladder: Option<LadderRow>,
 }
 
@@ -72,9 +73,12 @@ impl Ladder {
 
 impl From<&effects::Model> for Ladder {
     fn from(model: &effects::Model) -> Self {
+        // Where a person took the first of an act out of the file, the others stand for themselves.
+        let holds = |id: &String| model.effects.iter().any(|entry| entry.id == *id);
+        let is_shown = |row: &LadderRow| !row.with.as_ref().is_some_and(holds);
         let entry = |entry: &effects::ModelEffect| LadderEntry {
             effect: entry.id.clone(),
-            ladder: entry.ladder.clone(),
+            ladder: entry.ladder.clone().filter(is_shown),
         };
         let (rows, removed) = (model.effects.iter().map(entry).collect(), model.removed.clone());
         Self { format: LadderFormat::V1, rows, removed }

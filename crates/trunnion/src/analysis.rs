@@ -67,7 +67,8 @@ pub struct FormulaText {
 pub(crate) struct Put {
     /// What was added, with the ladder row of all of it.
     pub whole: ModelEffect,
-    /// The new entries, each with its own ladder row: a formula of several components is one entry for each.
+    /// The new entries: a formula of several components is one entry for each. The row of the first is that of all of them, the others
+    /// name it.
     pub entries: Vec<ModelEffect>,
     /// The fit of the model with them.
     pub fit: Identification,
@@ -80,18 +81,36 @@ pub(crate) fn put(
     date: &str,
 ) -> Result<Put, AnalysisError> {
     let experiment = problem.experiment();
-    let mut larger = problem.clone();
-    for entry in &mut entries {
-        let with = larger.with(std::slice::from_ref(entry))?;
-        entry.ladder = Some(ladder_row(experiment, larger.fit(), with.fit(), date));
-        larger = with;
-    }
-    let mut whole = entries.first().cloned().unwrap_or_default();
-    whole.ladder = Some(ladder_row(experiment, problem.fit(), larger.fit(), date));
+    let larger = measure_act(experiment, problem, &mut entries, date)?;
+    let whole = entries.first().cloned().unwrap_or_default();
     Ok(Put { whole, entries, fit: larger.into_fit() })
 }
 
-/// A model without one of its effects. The ladder rows of the effects after it are measured again, because they said what
+/// Measures the rows of what one act adds: of the first entry that of all, of each further one its own on top of those before it.
+fn measure_act<'a>(
+    experiment: &Experiment,
+    before: &Problem<'a>,
+    entries: &mut [ModelEffect],
+    date: &str,
+) -> Result<Problem<'a>, AnalysisError> {
+    let first = entries.first().map(|entry| entry.id.clone());
+    let mut larger = before.clone();
+    for (i, entry) in entries.iter_mut().enumerate() {
+        let with = larger.with(std::slice::from_ref(entry))?;
+        let by = entry.ladder.take().and_then(|row| row.by);
+        let lead = first.clone().filter(|_| i > 0);
+        entry.ladder =
+            Some(LadderRow { by, with: lead, ..ladder_row(experiment, larger.fit(), with.fit(), date) });
+        larger = with;
+    }
+    if let [first, _, ..] = entries {
+        let by = first.ladder.take().and_then(|row| row.by);
+        first.ladder = Some(LadderRow { by, ..ladder_row(experiment, before.fit(), larger.fit(), date) });
+    }
+    Ok(larger)
+}
+
+/// A model without one of its effects, and without what came in with it by one act. The ladder rows of the effects after it are measured again, because they said what
 /// adding those did on top of the one that is gone.
 ///
 /// # Errors
@@ -111,13 +130,15 @@ pub(crate) fn remove(
         let held = if added.is_empty() { "nothing that was added".into() } else { added.join(", ") };
         return Err(AnalysisError::NotInModel { id: id.into(), held });
     };
+    let act = model.effects[at].added_as();
+    let first = model.effects.iter().position(|entry| entry.added_as() == act).unwrap_or(at);
     let mut smaller = model.clone();
-    smaller.effects.remove(at);
-    let fit = measure_ladder(experiment, &mut smaller, at, date)?;
+    smaller.effects.retain(|entry| entry.added_as() != act);
+    let fit = measure_ladder(experiment, &mut smaller, first, date)?;
     Ok((smaller, fit))
 }
 
-/// Measures again the ladder rows of the entries from `first` on, each on top of the entries before it; gives the fit of all.
+/// Measures again the ladder rows of the entries from `first` on, each act on top of the entries before it; gives the fit of all.
 fn measure_ladder(
     experiment: &Experiment,
     model: &mut Model,
@@ -126,13 +147,12 @@ fn measure_ladder(
 ) -> Result<Identification, AnalysisError> {
     let shorter = Model::of(&model.machine, model.effects[..first].to_vec());
     let mut before = Problem::new(experiment, &shorter)?;
-    for entry in &mut model.effects[first..] {
-        let after = before.with(std::slice::from_ref(entry))?;
-        if !BASE.contains(&entry.id.as_str()) {
-            let by = entry.ladder.take().and_then(|row| row.by);
-            entry.ladder = Some(LadderRow { by, ..ladder_row(experiment, before.fit(), after.fit(), date) });
-        }
-        before = after;
+    for act in model.effects[first..].chunk_by_mut(|one, next| one.added_as() == next.added_as()) {
+        before = if BASE.contains(&act[0].id.as_str()) {
+            before.with(act)?
+        } else {
+            measure_act(experiment, &before, act, date)?
+        };
     }
     Ok(before.into_fit())
 }
@@ -147,6 +167,7 @@ fn ladder_row(
     LadderRow {
         date: date.into(),
         by: None,
+        with: None,
         run: experiment.runs.join(", "),
         error_before_um: convert::um_from_mm(before.rms_mm),
         error_after_um: convert::um_from_mm(after.rms_mm),
@@ -167,11 +188,14 @@ fn moved(before: &Identification, after: &Identification) -> Vec<Moved> {
     for parameter in &before.parameters {
         let same = |p: &&FittedParameter| p.name == parameter.name && p.effect == parameter.effect;
         let Some(now) = after.parameters.iter().find(same) else { continue };
+        // `p1` of one expression is not that of another.
+        let is_shared = after.parameters.iter().filter(|p| p.name == now.name).count() > 1;
+        let name = if is_shared { format!("{} of {}", now.name, now.effect) } else { now.name.clone() };
         let values = parameter.screen_value().zip(now.screen_value());
         // In units of what is known now: before, u held the missing effect as noise.
         if let (Some((before, after)), Some(u)) = (values, now.screen_u()) {
             let unit = now.unit.symbol.into();
-            let one = Moved { name: now.name.clone(), before, after, u, unit };
+            let one = Moved { name, before, after, u, unit };
             moved.push((now.effect == LOCATION_ERRORS, one));
         }
     }

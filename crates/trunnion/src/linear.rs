@@ -109,7 +109,7 @@ impl Experiment {
 
 fn without(model: &Model, effect: &str) -> Model {
     let mut smaller = model.entries().clone();
-    smaller.effects.retain(|entry| entry.id != effect);
+    smaller.effects.retain(|entry| entry.id != effect && entry.added_as() != effect);
     smaller.into()
 }
 

@@ -87,9 +87,9 @@ impl Model {
         Self::parse(EDITED, effects::Model::with_ladder_row(&self.text, id, row)?)
     }
 
-    /// Without an entry, and with who took it out and when.
-    pub(crate) fn without(&self, removal: &Removal) -> Result<Self, Error> {
-        let text = effects::Model::without(&self.text, &removal.effect)?;
+    /// Without these entries, and with who took them out and when.
+    pub(crate) fn without(&self, ids: &[&str], removal: &Removal) -> Result<Self, Error> {
+        let text = ids.iter().try_fold(self.text.clone(), |text, id| effects::Model::without(&text, id))?;
         Self::parse(EDITED, effects::Model::with_removal(&text, removal)?)
     }
 }

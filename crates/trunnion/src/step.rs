@@ -40,7 +40,7 @@ impl Fit {
         }
     }
 
-    /// Takes an effect out of the model, fits again and measures the ladder rows after it again; `date` goes into them, and with the
+    /// Takes an effect out of the model, and what came in with it by one act, fits again and measures the ladder rows after it again; `date` goes into them, and with the
     /// name of who removes it into the model.
     ///
     /// # Errors
@@ -48,8 +48,12 @@ impl Fit {
     pub fn remove(&self, effect: &str, date: &str, by: Option<&str>) -> Result<Self, Error> {
         let entries = self.model().entries();
         let (smaller, fit) = analysis::remove(self.experiment().points(), entries, effect, date)?;
-        let removal = Removal { effect: effect.into(), date: date.into(), by: by.map(String::from) };
-        let mut model = self.model().without(&removal)?;
+        let held = |id: &str| smaller.effects.iter().any(|entry| entry.id == id);
+        let gone: Vec<&ModelEffect> = entries.effects.iter().filter(|old| !held(&old.id)).collect();
+        let act = gone.first().map_or(effect, |entry| entry.added_as());
+        let removal = Removal { effect: act.into(), date: date.into(), by: by.map(String::from) };
+        let ids: Vec<&str> = gone.iter().map(|entry| entry.id.as_str()).collect();
+        let mut model = self.model().without(&ids, &removal)?;
         for entry in &smaller.effects {
             let old = entries.effects.iter().find(|old| old.id == entry.id);
             if let Some(row) =
@@ -185,13 +189,10 @@ impl Step {
         &self.whole
     }
 
-    /// What adding it did to the error: as the model file holds it, or of all entries of a formula of several components.
+    /// What adding it did to the error, as the model file holds it: of all entries of a formula of several components.
     pub fn row(&self) -> LadderRow {
         let of_model = self.model().entries().effects.iter().find(|entry| entry.id == self.effect);
-        match of_model.and_then(|entry| entry.ladder.as_ref()).filter(|_| self.entries.len() == 1) {
-            Some(row) => row.clone(),
-            None => self.row.clone(),
-        }
+        of_model.and_then(|entry| entry.ladder.as_ref()).unwrap_or(&self.row).clone()
     }
 
     /// The ladder of the model with it.

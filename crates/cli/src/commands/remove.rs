@@ -11,6 +11,8 @@ use trunnion::results::Removed;
 
 /// Take an effect out of the model, refit, and measure the later rows of the ladder again
 ///
+/// An expression of several components came in by one act, as an entry for each, and goes out the same way.
+///
 /// Example: trunnion remove gravity-sag:B run.mcap --model machine.model.toml
 #[derive(clap::Args)]
 pub struct Args {
@@ -33,6 +35,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = Model::load(&args.model)?;
     let loaded = load::runs(&args.runs)?;
     let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
+    let held = model.effects();
     let without = experiment.fit(&model)?.remove(&args.effect, &today()?, args.by.as_deref())?;
     without.model().save(&args.model)?;
     if args.json {
@@ -43,7 +46,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             identification: without.results(),
         })?;
     } else {
-        terminal::print(&format!("{} is out of {}\n\n", args.effect, args.model.display()))?;
+        let kept = without.model().effects();
+        let gone: Vec<&str> = held.into_iter().filter(|id| !kept.contains(id)).collect();
+        let (gone, are) = (gone.join(" and "), if gone.len() > 1 { "are" } else { "is" });
+        terminal::print(&format!("{gone} {are} out of {}\n\n", args.model.display()))?;
         terminal::print(&ladder_text(&without.model().ladder(), without.results().noise_um))?;
         terminal::print("\n")?;
         terminal::print(&without.summary())?;

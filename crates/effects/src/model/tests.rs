@@ -13,6 +13,7 @@ fn formula() -> ModelEffect {
         fixed: vec![("pull".into(), 3.0)],
         ladder: Some(LadderRow {
             date: "2026-03-01".into(),
+            with: Some("formula:nozzle".into()),
             run: "tuesday".into(),
             error_before_um: 4.1,
             error_after_um: 1.25,

@@ -57,6 +57,7 @@ fn entry() -> ModelEffect {
         ladder: Some(LadderRow {
             date: "2026-03-01".into(),
             by: Some("Ada".into()),
+            with: None,
             run: "grid".into(),
             error_before_um: 2.0,
             error_after_um: 1.0,

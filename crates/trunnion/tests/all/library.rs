@@ -50,6 +50,29 @@ fn a_verdict_names_all_that_was_found_together() {
 }
 
 #[test]
+fn what_comes_in_by_one_act_is_one_step_and_goes_out_together() {
+    let run = trunnion::open(committed("points-unnamed")).unwrap();
+    let base = run.fit(&run.base_model()).unwrap();
+    let diagnosed = base.diagnose().unwrap();
+    let effect = diagnosed.best().unwrap();
+    let step = diagnosed.add(&effect).unwrap().dated("2026-03-01").unwrap().by("Ada").unwrap();
+    let ids: Vec<&str> = step.entries().iter().map(|entry| entry.id.as_str()).collect();
+    assert!(ids.len() == 2 && ids[0] == effect, "{ids:?}");
+    let read = Model::parse("model.toml", step.model().text().into()).unwrap();
+    let ladder = read.ladder();
+    let (added, row) = ladder.added().next().unwrap();
+    assert_eq!((added, ladder.added().count(), row.by.as_deref()), (effect.as_str(), 1, Some("Ada")));
+    assert!((row.error_before_um - base.results().rms_um).abs() < 1e-3, "{row:?}");
+    assert!((row.error_after_um - step.fit().results().rms_um).abs() < 1e-3, "{row:?}");
+    for id in ids {
+        let without = step.fit().remove(id, "2026-03-02", None).unwrap();
+        assert_eq!(without.results(), base.results(), "{id}");
+        let removed: Vec<_> = without.model().ladder().removed.into_iter().map(|gone| gone.effect).collect();
+        assert_eq!(removed, [effect.clone()]);
+    }
+}
+
+#[test]
 fn every_surface_shows_the_same_figures() {
     let run = trunnion::open(committed("points-unnamed")).unwrap();
     let fit = run.fit(&run.base_model()).unwrap();
