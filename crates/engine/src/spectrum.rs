@@ -118,6 +118,7 @@ impl AxisSpectrum {
         if carriers.ncols() == 0 {
             return None;
         }
+        let lobes = band.lobes(&position);
         let mut waves = Waves::new(position, carriers, left.basis.clone(), left.residual_mm.clone());
         let units = Units { axis, readings: rows.max(1) as f64 };
         let first = waves.scan(&band);
@@ -133,6 +134,8 @@ impl AxisSpectrum {
         };
         let mut scanned = first;
         while spectrum.waves.len() < MOST_WAVES {
+            // What is slower than the band, a drift, comes back at a lobe: no wave of its own.
+            scanned.retain(|(omega, _)| lobes.iter().all(|lobe| (omega - lobe).abs() > band.low()));
             let Some((omega, next)) = next(&waves, &scanned, &band, &spectrum.waves, &units) else { break };
             let before = waves;
             waves = before.clone().without(omega);
@@ -144,7 +147,9 @@ impl AxisSpectrum {
             }
             spectrum.waves.push(units.wave(&before, &waves, omega, next.explained, evidence_ln, &band));
         }
-        spectrum.end(&units, band.nyquist());
+        // Beyond half a lobe the waves before it come back.
+        let nyquist = lobes.first().map_or(f64::INFINITY, |lobe| 0.5 * lobe).min(band.nyquist());
+        spectrum.end(&units, nyquist);
         Some(spectrum)
     }
 
