@@ -10,6 +10,7 @@ the XML schema where that can be had: DCC_XSD names a copy, else it is asked for
 import os
 import pathlib
 import re
+import subprocess
 import tempfile
 
 import pymupdf
@@ -82,3 +83,7 @@ with tempfile.TemporaryDirectory() as temporary:
     trunnion(*common, "-o", folder / "de.html", "--pdf", folder / "de.pdf", "--language", "de")
     top = words(pymupdf.open(folder / "de.pdf")[0])
     check("the German first page is German", all(part in top for part in ["nicht bestanden", "Seriennummer", "Was zu tun ist"]), top[:200])
+    # By fontconfig, which the browser asks: what the browser drew is not looked at here.
+    has_font = bool(subprocess.run(["fc-list", ":lang=ja", "family"], capture_output=True, text=True, check=True).stdout.strip())
+    said = trunnion(*common, "-o", folder / "ja.html", "--pdf", folder / "ja.pdf", "--language", "ja", code=0 if has_font else 3)
+    check(f"a PDF {'with' if has_font else 'without'} Japanese characters says so", ("no font" in said) != has_font, said)

@@ -7,7 +7,7 @@ use trunnion::results::Verdict;
 pub enum Outcome {
     /// Everything asked for was done.
     Done,
-    /// Done, but the data have holes, which have been named.
+    /// Done, but the data have holes, or what was written lacks something; which has been named.
     DataLoss,
     /// Done, but no verdict was given: the runs are not plausible or not whole, or the diagnosis failed.
     Withheld,

@@ -34,6 +34,11 @@ impl Language {
         Self::NAMES.into_iter().find(|(_, language)| *language == self).map_or("en", |(code, _)| code)
     }
 
+    /// What its characters are called, and two that fonts of Latin letters lack; `None` where they have all.
+    pub fn of_other_fonts(self) -> Option<(&'static str, [char; 2])> {
+        (self == Self::Japanese).then_some(("Japanese", ['機', '測']))
+    }
+
     /// A text of this program; `None` where the table has none.
     pub fn say(self, english: &str) -> Option<String> {
         if self == Self::English {
@@ -72,9 +77,10 @@ impl Language {
         let mut held = held.into_iter();
         for (i, part) in entry[self as usize].split(HOLE).enumerate() {
             if i > 0 {
-                let items = held.next().unwrap_or_default().split("; ");
-                let said = items.map(|item| self.say(item).unwrap_or_else(|| item.into()));
-                text += &said.collect::<Vec<_>>().join("; ");
+                let held = held.next().unwrap_or_default();
+                // A sentence may have a semicolon of its own; else they part the items of a list.
+                let items = || held.split("; ").map(|item| self.say(item).unwrap_or_else(|| item.into()));
+                text += &self.say(held).unwrap_or_else(|| items().collect::<Vec<_>>().join("; "));
             }
             text += part;
         }

@@ -20,6 +20,9 @@ pub struct Report {
     pub html: Option<String>,
     /// The PDF that was printed from it.
     pub pdf: Option<String>,
+    /// What the PDF lacks: characters that the browser has no font for; null where it is complete.
+    #[serde(default)]
+    pub pdf_lacks: Option<String>,
     /// The digital calibration certificate that was written.
     pub dcc: Option<String>,
 }
@@ -44,6 +47,9 @@ pub struct Filed {
     pub html: String,
     /// The PDF that was printed from it; null while there is none.
     pub pdf: Option<String>,
+    /// What the PDF lacks: characters that the browser has no font for; null where it is complete.
+    #[serde(default)]
+    pub pdf_lacks: Option<String>,
 }
 
 /// Format and version of what was filed.

@@ -1,9 +1,11 @@
 //! A page becomes a PDF by a browser of this computer.
 
+use std::io::Read;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
+use trunnion::report::Language;
 
 /// What `--help` says of it.
 pub const HELP: &str = "PDF to print from it, with a Chromium or Chrome of this computer\n\n\
@@ -93,6 +95,57 @@ pub fn pdf(page: &Path, pdf: &Path, is_stopped: &dyn Fn() -> bool) -> Result<(),
     }
 }
 
+/// What the PDF of `page` lacks on this computer: characters of its language that the browser has no font for, and draws as boxes.
+///
+/// # Errors
+/// As [`pdf`].
+pub fn lacks(page: &Path, is_stopped: &dyn Fn() -> bool) -> Result<Option<String>, PrintError> {
+    let text = std::fs::read_to_string(page).map_err(io("read", page))?;
+    let is_of = |code: &str| text.contains(&format!("<html lang=\"{code}\">"));
+    let language = Language::NAMES.into_iter().find(|(code, _)| is_of(code)).map(|(_, language)| language);
+    let Some((name, characters)) = language.and_then(Language::of_other_fonts) else { return Ok(None) };
+    Ok((!draws_apart(characters, is_stopped)?).then(|| {
+        format!(
+            "the browser that prints has no font with {name} characters, and boxes stand in their place; install one (Debian: \
+             fonts-noto-cjk) and print again, or print the page where there is one"
+        )
+    }))
+}
+
+/// True where the browser draws two characters differently: without a font for them both are the same box.
+fn draws_apart(characters: [char; 2], is_stopped: &dyn Fn() -> bool) -> Result<bool, PrintError> {
+    let is_confined = std::fs::read_to_string("/proc/self/status").is_ok_and(|status| confines(&status));
+    let browser = browser(is_confined)?;
+    let profile = std::env::temp_dir().join(format!("trunnion-font-{}", std::process::id()));
+    let mut command = bare_command(&browser, &profile, is_confined);
+    command.arg("--dump-dom").arg(probe(characters)).stdout(Stdio::piped());
+    let started = command.spawn().map_err(io("start the browser", &browser));
+    let said = started.and_then(|mut child| {
+        wait(&mut child, &browser, is_stopped)?;
+        let mut said = String::new();
+        // A page of a few lines fits the pipe.
+        let out = child.stdout.take().map(|mut out| out.read_to_string(&mut said));
+        out.transpose().map_err(io("read from", &browser))?;
+        Ok(said)
+    });
+    std::fs::remove_dir_all(&profile).ok();
+    Ok(!said?.contains("data-same=\"true\""))
+}
+
+/// The address of a page that says whether two characters look the same.
+fn probe([one, other]: [char; 2]) -> String {
+    let page = format!(
+        "<body><canvas></canvas><script>const draw=(code)=>{{const on=document.querySelector('canvas').getContext('2d');\
+         on.clearRect(0,0,99,99);on.font='40px sans-serif';on.fillText(String.fromCodePoint(code),5,60);\
+         return on.getImageData(0,0,99,99).data.join()}};\
+         document.body.dataset.same=draw({})===draw({})</script>",
+        u32::from(one),
+        u32::from(other)
+    );
+    let escaped: String = page.bytes().map(|byte| format!("%{byte:02X}")).collect();
+    format!("data:text/html,{escaped}")
+}
+
 fn io(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> PrintError {
     let path = path.to_owned();
     move |source| PrintError::Io { what, path, source }
@@ -122,12 +175,18 @@ fn browser(is_confined: bool) -> Result<PathBuf, PrintError> {
 }
 
 fn command(browser: &Path, page: &Path, pdf: &Path, profile: &Path, is_confined: bool) -> Command {
+    let mut command = bare_command(browser, profile, is_confined);
+    command.arg("--no-pdf-header-footer").arg(format!("--print-to-pdf={}", pdf.display())).arg(page);
+    command
+}
+
+/// What is asked of it comes after.
+fn bare_command(browser: &Path, profile: &Path, is_confined: bool) -> Command {
     let mut command = Command::new(browser);
     command
         .args(["--headless", "--disable-gpu", "--no-first-run", "--disable-extensions", "--disable-sync"])
-        .args(["--disable-background-networking", "--disable-component-update", "--no-pdf-header-footer"])
+        .args(["--disable-background-networking", "--disable-component-update"])
         .arg(format!("--user-data-dir={}", profile.display()))
-        .arg(format!("--print-to-pdf={}", pdf.display()))
         // Reports of its own crashes go with the profile.
         .env("CHROME_CONFIG_HOME", profile)
         .stdin(Stdio::null())
@@ -139,7 +198,6 @@ fn command(browser: &Path, page: &Path, pdf: &Path, profile: &Path, is_confined:
         // Chromium has no sandbox for root.
         command.arg("--no-sandbox");
     }
-    command.arg(page);
     command
 }
 

@@ -103,7 +103,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     let compared = experiment.fit(&args.model.model(&experiment)?)?.compare();
     let compared = compared.with_losses(&load::kept_losses(&args.runs.runs)).with_best();
-    let outcome = outcome.with_verdict(compared.diagnosed().results().verdict);
+    let mut outcome = outcome.with_verdict(compared.diagnosed().results().verdict);
     let mut report = compared.report(&args.runs.runs, &filing)?;
     let page = args.output.clone().unwrap_or_else(|| args.runs.runs[0].with_extension("report.html"));
     output::write(&page, &report_html(&report, args.language))?;
@@ -111,6 +111,10 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(pdf) = &args.pdf {
         print::pdf(&page, pdf, &|| false)?;
         report.pdf = Some(pdf.display().to_string());
+        report.pdf_lacks = print::lacks(&page, &|| false)?;
+        if report.pdf_lacks.is_some() {
+            outcome = Outcome::DataLoss;
+        }
     }
     if let Some(dcc) = &args.dcc {
         let IssuerArgs { laboratory, customer, country, measured } = &args.issuer;

@@ -26,5 +26,8 @@ pub fn report_text(report: &Report) -> String {
             text += &format!("{name}: {file}\n");
         }
     }
+    if let Some(lacks) = &report.pdf_lacks {
+        text += &format!("The PDF is not complete: {lacks}.\n");
+    }
     text
 }

@@ -75,14 +75,14 @@ async fn print_filed(State(page): State<Page>, Path(name): Path<String>) -> Answ
     // One browser at a time: the computer also measures.
     let turn = page.printer.clone().try_acquire_owned().map_err(|_| Refusal::Busy)?;
     let run = name.clone();
-    let (html, pdf) = at_a_file("printing of a report", move || {
+    let (html, pdf, pdf_lacks) = at_a_file("printing of a report", move || {
         let printed = page.print(&name);
         drop(turn);
         printed
     })
     .await?;
     let [html, pdf] = [html, pdf].map(|path| path.display().to_string());
-    json_of(&Filed { run, html, pdf: Some(pdf), ..Filed::default() })
+    json_of(&Filed { run, html, pdf: Some(pdf), pdf_lacks, ..Filed::default() })
 }
 
 async fn printed(State(page): State<Page>, Path(name): Path<String>) -> Answer {
@@ -141,12 +141,14 @@ impl Page {
         Ok(self.runs.place_of(name).ok_or_else(unknown)?.with_extension(ending))
     }
 
-    /// Prints the filed page of a run: page and PDF.
-    fn print(&self, name: &str) -> Result<(PathBuf, PathBuf), Refusal> {
+    /// Prints the filed page of a run: page, PDF, and what the PDF lacks.
+    fn print(&self, name: &str) -> Result<(PathBuf, PathBuf, Option<String>), Refusal> {
         let (html, pdf) = (self.place(name, PAGE)?, self.place(name, PDF)?);
         let print = |html: &FilePath, pdf: &FilePath| print::pdf(html, pdf, &|| self.cancel.is_cancelled());
         keep_pdf(&html, &pdf, &self.filing, print)?;
-        Ok((html, pdf))
+        let lacks = print::lacks(&html, &|| self.cancel.is_cancelled());
+        let lacks = lacks.map_err(|failure| Refusal::NotWritten(chain(&failure)))?;
+        Ok((html, pdf, lacks))
     }
 
     async fn file(&self, name: String, ending: &'static str) -> Result<Vec<u8>, Refusal> {

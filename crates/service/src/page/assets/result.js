@@ -75,8 +75,8 @@ function filing(run) {
       const page = [link("Open the report", calls.filedAddress(run)), link("Download the page", calls.filedAddress(run), `${run}.report.html`)];
       say(`${html} is written. Making the PDF …`, ...page);
       try {
-        const { pdf } = await calls.print(run);
-        say(`Kept as ${html} and ${pdf}.`, ...page, link("Download the PDF", calls.printedAddress(run), `${run}.report.pdf`));
+        const { pdf, pdf_lacks: lacks } = await calls.print(run);
+        say(`Kept as ${html} and ${pdf}.${lacks ? ` The PDF is not complete: ${lacks}.` : ""}`, ...page, link("Download the PDF", calls.printedAddress(run), `${run}.report.pdf`));
       } catch (failure) {
         say(`Kept as ${html}. There is no PDF: ${failure.message}.`, ...page);
       }
