@@ -2,7 +2,7 @@
 //! then whose report it is, where the model fails and why, what was not seen in full; every table at the end.
 
 mod annex;
-mod conformity;
+pub(crate) mod conformity;
 mod identity;
 mod not_seen;
 

@@ -2,8 +2,11 @@
 //! pass      E ≤ T − g,    fail      E ≥ T + g,    g = 1.65 u                                     [ISO 14253-1]
 //! E the largest deviation, T the tolerance, u the standard uncertainty of E; 1.65 is the one-sided 95 % point of a normal
 //! distribution. Between the two limits nothing is proven.
+//! E is of the points in the fit. A point that was excluded from it fails no machine, and passes none either: where E passes and an excluded
+//! point does not, nothing is decided until its pose is measured again. E itself is the same for every tolerance.
 //! Limits: u is that of a reading about the model. What nobody recorded of the probes' calibration is not in it.
 
+use crate::left_out::LeftOutEffect;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -19,21 +22,67 @@ pub struct Conformity {
     pub tolerance_of: String,
     /// The machine as it was measured: how the ball was set is taken off, nothing else.
     pub as_measured: Judged,
-    /// The same once everything in the model is corrected; what to expect, not what was measured.
+    /// The same with a correction that holds what tables of the axes can hold; what to expect, not what was measured.
     pub corrected: Judged,
+    /// Effects of the machine that no table of an axis holds, and why: they are left in `corrected`.
+    #[serde(default)]
+    pub not_corrected: Vec<LeftOutEffect>,
+    /// Why no control can be given anything of this machine, so that `corrected` is as measured; empty otherwise.
+    #[serde(default)]
+    pub why_not_corrected: String,
 }
 
 /// A deviation with its decision.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Judged {
-    /// Largest deviation of the tool against the table over the points, µm.
+    /// Largest deviation of the tool against the table over the points in the fit, µm.
     pub largest_um: f64,
     /// Its standard uncertainty, µm.
     pub u_um: f64,
     /// Where it was: setup and position.
     pub at: String,
-    /// The decision.
+    /// The points that were excluded from the fit; null where there are none.
+    #[serde(default)]
+    pub excluded: Option<ExcludedPoints>,
+    /// The decision: none is a pass while an excluded point does not pass.
     pub decision: Decision,
+}
+
+/// Points that were excluded from the fit, where their deviation is largest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ExcludedPoints {
+    /// How many.
+    pub count: usize,
+    /// Largest deviation of the tool against the table over them, µm.
+    pub largest_um: f64,
+    /// Where it was: setup and position.
+    pub at: String,
+}
+
+impl Judged {
+    /// The same, decided against a tolerance, µm.
+    #[must_use]
+    pub fn decided(self, tolerance_um: f64) -> Self {
+        let of = |largest_um| Decision::of(largest_um, self.u_um, tolerance_um);
+        let excluded = self.excluded.as_ref().map_or(Decision::Pass, |excluded| of(excluded.largest_um));
+        let decision = match of(self.largest_um) {
+            Decision::Pass if excluded != Decision::Pass => Decision::NotDecidable,
+            of_fit => of_fit,
+        };
+        Self { decision, ..self }
+    }
+
+    /// True where every point is within the tolerance, µm, the excluded ones too.
+    pub fn is_within(&self, tolerance_um: f64) -> bool {
+        let excluded_um = self.excluded.as_ref().map_or(0.0, |excluded| excluded.largest_um);
+        self.largest_um.max(excluded_um) <= tolerance_um
+    }
+
+    /// True where an excluded point alone keeps it from a pass against a tolerance, µm.
+    pub fn waits_for_excluded(&self, tolerance_um: f64) -> bool {
+        self.decision == Decision::NotDecidable
+            && Decision::of(self.largest_um, self.u_um, tolerance_um) == Decision::Pass
+    }
 }
 
 /// Does a deviation keep a tolerance?
@@ -73,6 +122,24 @@ impl Decision {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_excluded_point_changes_no_deviation_and_passes_nothing_until_it_is_measured_again() {
+        let excluded = ExcludedPoints { count: 1, largest_um: 15.2, at: String::new() };
+        let judged = Judged { largest_um: 1.4, u_um: 0.4, excluded: Some(excluded), ..Judged::default() };
+        for (tolerance_um, expected, within, waits) in [
+            (0.5, Decision::Fail, false, false),
+            (1.5, Decision::NotDecidable, false, false),
+            (8.0, Decision::NotDecidable, false, true),
+            (15.5, Decision::NotDecidable, true, true),
+            (16.0, Decision::Pass, true, false),
+        ] {
+            let of = judged.clone().decided(tolerance_um);
+            assert_eq!((of.decision, of.largest_um), (expected, 1.4), "{tolerance_um}");
+            assert_eq!(of.is_within(tolerance_um), within, "{tolerance_um}");
+            assert_eq!(of.waits_for_excluded(tolerance_um), waits, "{tolerance_um}");
+        }
+    }
 
     #[test]
     fn uncertainty_counts_against_whoever_claims() {

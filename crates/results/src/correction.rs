@@ -1,7 +1,7 @@
 //! What to enter into a control, what to check first, and what to expect.
 
 use crate::axis_errors::{AxisErrors, ConfoundedErrors};
-use crate::conformity::Decision;
+use crate::conformity::{Decision, ExcludedPoints};
 use crate::diagnosis::Verdict;
 use crate::left_out::LeftOutEffect;
 use schemars::JsonSchema;
@@ -94,7 +94,7 @@ pub struct CorrectedAxis {
 }
 
 /// Readings of these runs before and after the correction, settings of ball and instrument fitted again.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Expected {
     /// Rms of the readings about the nominal machine, µm.
     pub before_um: f64,
@@ -108,6 +108,9 @@ pub struct Expected {
     pub tolerance_um: Option<f64>,
     /// Whether the largest reading keeps the tolerance (ISO 14253-1); null without one.
     pub decision: Option<Decision>,
+    /// Points that were excluded from the fit, expected then: nothing passes while they do not; null where there are none.
+    #[serde(default)]
+    pub excluded: Option<ExcludedPoints>,
 }
 
 impl Expected {

@@ -61,7 +61,7 @@ pub use comparison::{
     ResidualsBeforeAfter, Then, Trial, TrialFormat,
 };
 pub use complete::{Complete, Excluded, ExcludedSamples, Missing, Samples};
-pub use conformity::{Conformity, Decision, Judged};
+pub use conformity::{Conformity, Decision, ExcludedPoints, Judged};
 pub use correctable::Correctable;
 pub use corrected::{AroundCorrection, CorrectionEntered};
 pub use correction::{

@@ -1,17 +1,18 @@
 //! The largest deviation of a run against a tolerance.
 //!
 //! E = max |d|    d deviation of the tool against the table at a point, as far as the instrument sees it
-//! As measured: what a nominal machine leaves of the readings once the settings are fitted. Corrected: what the model leaves.
-//! Where the others pass, a reading that was left out of the fit and is not within the tolerance leaves it undecided.
+//! As measured: what a nominal machine leaves of the readings once the settings are fitted. Corrected: what remains with a correction of
+//! everything that tables of the axes can hold (`correction::shown`): what the control would be given, and not what the model explains.
+//! E is of the points in the fit, whatever the tolerance; those excluded from it stand next to it (`trunnion_results::Judged`).
 //! u(E) is the scatter of a reading about the model. The maximum of many readings lies above the largest true deviation: E errs
 //! against the machine.
 
+use crate::correction::Shown;
 use crate::values::reading_mm;
-use crate::{Error, Fit, prediction};
-use nalgebra::DVector;
+use crate::{Error, Fit};
 use trunnion_core::convert::um_from_mm;
 use trunnion_results::number::{degrees, trimmed};
-use trunnion_results::{Conformity, Decision, Judged};
+use trunnion_results::{Conformity, ExcludedPoints, Judged};
 
 impl Fit {
     /// Pass or fail of these runs against a tolerance; `tolerance_of` says where that is from.
@@ -19,35 +20,35 @@ impl Fit {
     /// # Errors
     /// When the settings alone cannot be fitted.
     pub fn conformity(&self, tolerance_um: f64, tolerance_of: &str) -> Result<Conformity, Error> {
-        let nominal = prediction::without_model(self.model().entries(), self.experiment().points())?;
+        let correctable = self.correctable()?;
+        let errors = if correctable.why.is_empty() { self.axis_errors()? } else { Default::default() };
+        let shown = Shown::new(self, self.experiment(), &errors, &errors)?;
+        let judged = |share: f64| self.judged(&shown.sizes_mm(share)).decided(tolerance_um);
         Ok(Conformity {
             tolerance_um,
             tolerance_of: tolerance_of.into(),
-            as_measured: self.judged(&nominal, tolerance_um),
-            corrected: self.judged(&self.identification().residual_mm, tolerance_um),
+            as_measured: judged(0.0),
+            corrected: judged(-1.0),
+            not_corrected: correctable.left_out,
+            why_not_corrected: correctable.why,
         })
     }
 
-    fn judged(&self, deviation_mm: &DVector<f64>, tolerance_um: f64) -> Judged {
-        let (points, fitted) = (self.experiment().points(), self.identification());
-        let size_mm = |i: usize| deviation_mm.rows_range(points.rows_of(i)).norm();
-        let u_um = um_from_mm(reading_mm(fitted));
-        let judged = |of: &dyn Fn(&usize) -> bool| {
-            let sizes = (0..points.points.len()).filter(of).map(|i| (i, um_from_mm(size_mm(i))));
-            let (at, largest_um) = sizes.max_by(|a, b| a.1.total_cmp(&b.1))?;
-            let decision = Decision::of(largest_um, u_um, tolerance_um);
-            Some(Judged { largest_um, u_um, at: self.place(at), decision })
+    /// Deviations of these sizes, point by point, not yet decided.
+    pub(crate) fn judged(&self, sizes_mm: &[f64]) -> Judged {
+        let fitted = self.identification();
+        let largest = |is_used: bool| {
+            let of = |(i, _): &(usize, &f64)| fitted.used[*i] == is_used;
+            sizes_mm.iter().enumerate().filter(of).max_by(|a, b| a.1.total_cmp(b.1))
         };
-        let of_fit = judged(&|i| fitted.used[*i]).unwrap_or_default();
-        // One wrong reading fails no machine, and hides no deviation either: the pose is to be read again.
-        let left_out = judged(&|i| !fitted.used[*i]).filter(|of| of.decision != Decision::Pass);
-        match left_out.filter(|_| of_fit.decision == Decision::Pass) {
-            Some(judged) => {
-                let at = format!("{}, a reading that was left out of the fit", judged.at);
-                Judged { at, decision: Decision::NotDecidable, ..judged }
-            }
-            None => of_fit,
-        }
+        let excluded = largest(false).map(|(at, size_mm)| ExcludedPoints {
+            count: fitted.used.iter().filter(|used| !**used).count(),
+            largest_um: um_from_mm(*size_mm),
+            at: self.place(at),
+        });
+        let (largest_um, at) = largest(true)
+            .map_or((0.0, String::new()), |(at, size_mm)| (um_from_mm(*size_mm), self.place(at)));
+        Judged { largest_um, u_um: um_from_mm(reading_mm(fitted)), at, excluded, ..Judged::default() }
     }
 
     /// Setup and position of a point.

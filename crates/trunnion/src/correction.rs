@@ -1,7 +1,7 @@
 //! Corrections for a control: what a fit gives it, what is expected of it, and whether a run shows that it acts.
 //!
 //! z = P (y − f₀),  c = P Δ,  P = I − Q Qᵀ, Q an orthonormal basis of the columns of the settings
-//! y readings, f₀ exact prediction of the nominal machine, Δ what the errors in the file change of the readings (to first order).
+//! y readings, f₀ exact prediction of the nominal machine with its settings fitted, Δ what the errors in the file change of the readings (to first order).
 //! Expected: rms(z) now, rms(z − c) with the correction, rms(z + c) with the wrong sign.
 //! A run measured with it has z = o + (1 − k) c + noise, o what the other errors of the model change: k = 1 − (z − o)ᵀc / cᵀc, u(k) = s / |c|, s the rms of what remains.
 //! Limits: u(k) takes the readings as independent.
@@ -9,10 +9,10 @@
 mod self_test;
 mod shown;
 
-use crate::values::reading_mm;
+pub(crate) use shown::Shown;
+
 use crate::{Error, Experiment, Fit};
 use nalgebra::Vector3;
-use shown::Shown;
 use trunnion_core::convert::um_from_mm;
 use trunnion_report::compensation::Format;
 use trunnion_results as results;
@@ -66,18 +66,17 @@ impl Fit {
             let why: Vec<String> = taken.left_out.iter().map(why).collect();
             return Err(Error::NoCorrection { why: why.join("; ") });
         }
-        let shown = Shown::new(self, self.experiment(), &all, &taken);
+        let shown = Shown::new(self, self.experiment(), &all, &taken)?;
         let tolerance_um = self.experiment().plate().tolerance_um;
-        let (largest_after_um, u_um) =
-            (um_from_mm(shown.largest_mm(-1.0)), um_from_mm(reading_mm(self.identification())));
+        let after = self.judged(&shown.sizes_mm(-1.0));
         let expected = results::Expected {
             before_um: um_from_mm(shown.rms_mm(0.0)),
             after_um: um_from_mm(shown.rms_mm(-1.0)),
             wrong_sign_um: um_from_mm(shown.rms_mm(1.0)),
-            largest_after_um,
+            largest_after_um: after.largest_um,
             tolerance_um,
-            decision: tolerance_um
-                .map(|tolerance_um| results::Decision::of(largest_after_um, u_um, tolerance_um)),
+            decision: tolerance_um.map(|tolerance_um| after.clone().decided(tolerance_um).decision),
+            excluded: after.excluded,
         };
         let own = |texts: &[&str]| texts.iter().map(ToString::to_string).collect();
         let answer = results::Correction {
@@ -131,7 +130,7 @@ impl Corrected {
     /// Whether runs measured with the correction show it, and with which sign: `trunnion-correction-judged/1`.
     ///
     /// # Errors
-    /// Runs of another machine.
+    /// Runs of another machine; settings that cannot be fitted alone.
     pub fn judge(&self, runs: &Experiment) -> Result<results::CorrectionJudged, Error> {
         let machine = self.fit.experiment().machine();
         if let Some(run) = runs.runs().iter().find(|run| run.machine.name != machine.name) {
@@ -141,7 +140,7 @@ impl Corrected {
                 found: run.machine.name.clone(),
             });
         }
-        let shown = Shown::new(&self.fit, runs, &self.all, &self.taken);
+        let shown = Shown::new(&self.fit, runs, &self.all, &self.taken)?;
         let (share, u) = shown.share();
         Ok(results::CorrectionJudged {
             control: self.format.name.into(),

@@ -24,7 +24,7 @@ use trunnion_results::number::with_unit;
 use trunnion_results::sentences::is_setting;
 
 /// Columns of the settings below this share of the largest are no direction of their own.
-const INDEPENDENT: f64 = 1e-9;
+pub(crate) const INDEPENDENT: f64 = 1e-9;
 
 impl Fit {
     /// Predicts other runs with the values of this fit: everything of the machine frozen, only how the ball was set in the new

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use trunnion::report::compensation::{FORMATS, Format, Signs, format};
 use trunnion::report::{correction_judged_text, correction_text};
 use trunnion::results::number::plain;
-use trunnion::results::{Correction, CorrectionValues, Expected, SelfTest, Verdict};
+use trunnion::results::{Correction, CorrectionValues, SelfTest, Verdict};
 use trunnion::{Corrected, Fit};
 
 /// Write what corrects the machine in its control
@@ -119,7 +119,7 @@ fn adequate(args: &Args, fit: &Fit) -> anyhow::Result<Verdict> {
 
 /// Refuses a correction that does not lower the errors.
 fn better(answer: &Correction) -> anyhow::Result<()> {
-    if let Some(expected) = answer.expected.filter(Expected::is_no_better) {
+    if let Some(expected) = answer.expected.as_ref().filter(|expected| expected.is_no_better()) {
         let left_out: Vec<&str> = answer.left_out.iter().map(|left| left.effect.as_str()).collect();
         bail!(
             "nothing was written, because the errors do not fall: {} µm rms now, {} µm with what {} takes; it does not take {}. \

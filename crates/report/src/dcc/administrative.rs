@@ -2,6 +2,7 @@
 
 use super::issuer::{DccError, Issuer};
 use super::xml::{holding, plain, stated, text};
+use crate::filed::conformity::places;
 use trunnion_results::sentences::ALL_CLEAR;
 use trunnion_results::{Conformity, Decision, Report, Verdict};
 
@@ -96,12 +97,15 @@ fn conformity(conformity: &Conformity) -> String {
     let word = match judged.decision {
         Decision::Pass => "pass",
         Decision::Fail => "fail",
-        Decision::NotDecidable if judged.largest_um <= conformity.tolerance_um => "conditionalPass",
+        Decision::NotDecidable if judged.is_within(conformity.tolerance_um) => "conditionalPass",
         Decision::NotDecidable => "conditionalFail",
     };
     let declaration = format!(
         "Largest deviation of the tool against the table {:.2} µm (u {:.2} µm) at {}; tolerance {} µm.",
-        judged.largest_um, judged.u_um, judged.at, conformity.tolerance_um
+        judged.largest_um,
+        judged.u_um,
+        places(judged).join("; "),
+        conformity.tolerance_um
     );
     let body = text("dcc:name", "Conformity")
         + &plain("dcc:norm", "ISO 14253-1")

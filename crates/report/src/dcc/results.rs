@@ -4,6 +4,7 @@ use super::administrative::software;
 use super::issuer::DccError;
 use super::quantity::{Uncertainty, celsius, quantity};
 use super::xml::{holding, plain, stated, text};
+use crate::filed::conformity::places;
 use crate::words::{about, effect_name, is_setting};
 use trunnion_results::{Identification, Parameter, Report, RunIdentity, TemperatureRange, Verdict};
 
@@ -22,7 +23,12 @@ pub fn data(report: &Report) -> Result<String, DccError> {
     if let Some(conformity) = &report.conformity {
         let judged = &conformity.as_measured;
         let u = Uncertainty::Expanded(judged.u_um);
-        let largest = quantity(&format!("Largest deviation, at {}", judged.at), judged.largest_um, "um", u);
+        let largest = quantity(
+            &format!("Largest deviation, at {}", places(judged).join("; ")),
+            judged.largest_um,
+            "um",
+            u,
+        );
         results += &result("Largest deviation of the tool against the table", &largest);
     }
     let runs = &report.identity.runs;

@@ -24,12 +24,20 @@ pub fn correction_text(answer: &Correction) -> String {
                 let say = match decision {
                     Decision::Pass => "is within",
                     Decision::Fail => "is above",
-                    Decision::NotDecidable => "is neither clearly within nor above",
+                    Decision::NotDecidable => "is not shown to be within",
                 };
                 let enough =
                     if decision == Decision::Fail { ": the correction alone is not enough" } else { "" };
+                let excluded = expected.excluded.as_ref().filter(|_| decision != Decision::Fail);
+                let excluded = excluded.map_or_else(String::new, |excluded| {
+                    let largest = plain(excluded.largest_um);
+                    format!(
+                        " Excluded from the fit: {}, up to {largest} µm at {}.",
+                        excluded.count, excluded.at
+                    )
+                });
                 format!(
-                    "The largest deviation then, {} µm, {say} the tolerance of the machine file, {} µm{enough}.\n",
+                    "The largest deviation then, {} µm, {say} the tolerance of the machine file, {} µm{enough}.{excluded}\n",
                     plain(expected.largest_after_um),
                     trimmed(tolerance, 3)
                 )

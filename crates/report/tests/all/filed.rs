@@ -2,16 +2,21 @@
 
 use crate::pages::{check_page, fitted, model};
 use quick_xml::events::Event;
-use trunnion_report::{DccError, Issuer, Language, dcc_xml, report_html};
+use trunnion_report::{DccError, Issuer, Language, dcc_xml, report_html, report_text};
 use trunnion_results::{
-    Candidate, Comparison, Conformity, Decision, Diagnosis, Doubt, DoubtReason, Identity, Judged, Ladder,
-    Report, RunIdentity, TemperatureRange, Verdict,
+    Candidate, Comparison, Conformity, Decision, Diagnosis, Doubt, DoubtReason, ExcludedPoints, Identity,
+    Judged, Ladder, LeftOutEffect, Report, RunIdentity, TemperatureRange, Verdict,
 };
 
 pub fn report() -> Report {
     let (_, comparison) = fitted();
-    let judged =
-        |largest_um, decision| Judged { largest_um, u_um: 0.4, at: "setup low <b>, B 45°".into(), decision };
+    let judged = |largest_um, decision| Judged {
+        largest_um,
+        u_um: 0.4,
+        at: "setup low <b>, B 45°".into(),
+        decision,
+        excluded: None,
+    };
     let run = RunIdentity {
         run: "grid <&\"'".into(),
         file: "grid.mcap".into(),
@@ -42,6 +47,11 @@ pub fn report() -> Report {
             tolerance_of: "given with the command".into(),
             as_measured: judged(12.3, Decision::Fail),
             corrected: judged(1.2, Decision::Pass),
+            not_corrected: vec![LeftOutEffect {
+                effect: "backlash:C".into(),
+                why: "it depends on the direction of C".into(),
+            }],
+            why_not_corrected: String::new(),
         }),
         comparison: Comparison {
             ladder: Ladder::from(&model()),
@@ -300,6 +310,38 @@ fn what_nobody_recorded_is_said_and_not_invented() {
     let xml = dcc_xml(&unknown, &measured).unwrap();
     assert!(xml.contains("<dcc:beginPerformanceDate>2026-03-01<"), "{xml}");
     assert!(xml.contains("<dcc:countryCode>ZZ<") && xml.contains("not recorded"), "{xml}");
+}
+
+#[test]
+fn what_a_correction_leaves_in_and_what_was_excluded_are_named_in_every_form() {
+    let mut report = report();
+    let conformity = report.conformity.as_mut().unwrap();
+    let excluded = ExcludedPoints { count: 1, largest_um: 15.2, at: "setup low, B 30°".into() };
+    let measured = Judged { largest_um: 1.4, excluded: Some(excluded), ..conformity.as_measured.clone() };
+    conformity.as_measured = measured.decided(conformity.tolerance_um);
+    let in_lines = report_text(&report).split_whitespace().collect::<Vec<_>>().join(" ");
+    let page = report_html(&report, Language::English);
+    for said in [
+        "1 point excluded from the fit: 15.2 µm at setup low, B 30°",
+        "Not decidable: a point that was excluded from the fit is not within the tolerance. Measure its pose again.",
+        "expected after a correction",
+        "Left in: Backlash of the drive (backlash:C).",
+    ] {
+        assert!(in_lines.contains(said), "{said} in {in_lines}");
+        assert!(page.contains(said), "{said} in the page");
+    }
+    let german = report_html(&report, Language::German);
+    assert!(german.contains("1 Punkt aus der Anpassung ausgeschlossen: 15.2 µm bei Aufstellung low, B 30°"));
+    assert!(german.contains("Nicht enthalten: "), "{german}");
+    let xml = dcc_xml(&report, &Issuer::default()).unwrap();
+    assert!(xml.contains("<dcc:conformity>conditionalFail</dcc:conformity>"), "no pass with it: {xml}");
+    assert!(xml.contains("1 point excluded from the fit"), "{xml}");
+
+    let conformity = report.conformity.as_mut().unwrap();
+    conformity.why_not_corrected = "controls move legs in parallel by tables that are not public".into();
+    let page = report_html(&report, Language::English);
+    assert!(page.contains("No correction is expected: controls move legs"));
+    assert!(!page.contains("expected after a correction"));
 }
 
 #[test]

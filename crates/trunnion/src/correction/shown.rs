@@ -1,68 +1,67 @@
 //! What readings show of the errors in a correction.
 
-use crate::prediction::orthonormal;
-
-use crate::{Experiment, Fit};
+use crate::prediction::{INDEPENDENT, orthonormal, without_model};
+use crate::{Error, Experiment, Fit};
 use nalgebra::{DMatrix, DVector, Vector3};
+use std::ops::Range;
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
 use trunnion_core::{AxisValues, Joint, Setup, State, Twist, statistics};
 use trunnion_effects::Instance;
-use trunnion_instruments::{Projector, predict};
-use trunnion_machine::{Errors, Machine, Site};
+use trunnion_instruments::Projector;
+use trunnion_machine::{Machine, Site};
 use trunnion_results::sentences::is_setting;
 use trunnion_results::{AxisErrors, AxisTable, SignCheck};
 
 /// Share of the readings that a correction has to move at least to be seen: rounding of 10⁻¹² mm is none.
 const SEEN_MM: f64 = 1e-9;
 
-/// Readings about the nominal machine and what the correction changes of them, settings projected out of both.
-pub(super) struct Shown {
+/// Readings about the nominal machine and what the correction changes of them, settings projected out of both: fitted to the rows that
+/// count, and taken off every row.
+pub(crate) struct Shown {
     /// z, mm.
     readings_mm: DVector<f64>,
     /// c, mm.
     errors_mm: DVector<f64>,
-    /// What the errors that the control does not get change, projected alike, mm.
+    /// What the errors that the control does not get change, projected in the same way, mm.
     others_mm: DVector<f64>,
     /// Δ by point, mm.
     by_point: Vec<Vector3<f64>>,
     /// Rows that count.
     rows: Vec<usize>,
-    /// Where the readings of each point that counts begin among them, and where the last ones end.
-    of_points: Vec<usize>,
+    /// The rows of each point.
+    of_points: Vec<Range<usize>>,
     /// Directions that the settings took.
     taken: usize,
 }
 
 impl Shown {
     /// `runs` seen with the settings of the model of `fit`, of `all` errors and those in the file; where they are its own, without its outliers.
-    pub fn new(fit: &Fit, runs: &Experiment, all: &AxisErrors, errors: &AxisErrors) -> Self {
+    ///
+    /// # Errors
+    /// Settings that cannot be fitted alone.
+    pub fn new(fit: &Fit, runs: &Experiment, all: &AxisErrors, errors: &AxisErrors) -> Result<Self, Error> {
         let points = runs.points();
         let machine = points.machine();
         let used = &fit.identification().used;
         let is_own = runs.is_same(fit.experiment());
-        let counts = |i: usize| !is_own || used[i];
-        let (mut rows, mut of_points) = (Vec::new(), vec![0]);
-        for point in (0..points.points.len()).filter(|&i| counts(i)) {
-            rows.extend(points.rows_of(point));
-            of_points.push(rows.len());
-        }
-        let mut nominal_mm = DVector::zeros(points.rows());
+        let of_points: Vec<Range<usize>> = (0..points.points.len()).map(|i| points.rows_of(i)).collect();
+        let counts = |(i, _): &(usize, &Range<usize>)| !is_own || used[*i];
+        let rows: Vec<usize> =
+            of_points.iter().enumerate().filter(counts).flat_map(|(_, rows)| rows.clone()).collect();
         let mut moved_mm = DVector::zeros(points.rows());
         let mut others_mm = DVector::zeros(points.rows());
         let mut by_point = Vec::with_capacity(points.points.len());
-        for (i, point) in points.points.iter().enumerate() {
+        for (point, of_point) in points.points.iter().zip(&of_points) {
             let setup = &points.setups[point.state.setup];
-            let nominal = predict(machine, setup, &point.state, &Errors::default());
             let moved = seen_mm(machine, setup, &point.state, errors);
             let others = seen_mm(machine, setup, &point.state, all) - moved;
-            for (k, row) in points.rows_of(i).enumerate() {
-                (nominal_mm[row], moved_mm[row], others_mm[row]) = (nominal[k], moved[k], others[k]);
+            for (k, row) in of_point.clone().enumerate() {
+                (moved_mm[row], others_mm[row]) = (moved[k], others[k]);
             }
             by_point.push(moved);
         }
-        let settings: Vec<DVector<f64>> = fit
-            .model()
-            .entries()
+        let model = fit.model().entries();
+        let settings: Vec<DVector<f64>> = model
             .effects
             .iter()
             .filter(|entry| is_setting(&entry.id))
@@ -72,62 +71,57 @@ impl Shown {
                 (0..columns.ncols()).map(|j| columns.column(j).into_owned()).collect::<Vec<_>>()
             })
             .collect();
-        let chosen =
-            |values: &DVector<f64>| DVector::from_iterator(rows.len(), rows.iter().map(|&r| values[r]));
-        let settings: Vec<DVector<f64>> = settings.iter().map(chosen).collect();
-        let basis = match settings.is_empty() {
-            true => DMatrix::zeros(rows.len(), 0),
-            false => orthonormal(&DMatrix::from_columns(&settings)),
+        let settings = match settings.as_slice() {
+            [] => DMatrix::zeros(points.rows(), 0),
+            settings => DMatrix::from_columns(settings),
         };
-        let projected = |values: DVector<f64>| {
-            let values = chosen(&values);
-            &values - &basis * (basis.transpose() * &values)
-        };
-        Self {
-            readings_mm: projected(points.readings_mm() - nominal_mm),
-            errors_mm: projected(moved_mm),
-            others_mm: projected(others_mm),
+        let basis = Basis::new(&settings, &rows);
+        Ok(Self {
+            readings_mm: basis.without(without_model(model, points)?),
+            errors_mm: basis.without(moved_mm),
+            others_mm: basis.without(others_mm),
             by_point,
-            taken: basis.ncols(),
+            taken: basis.of_rows.ncols(),
             rows,
             of_points,
-        }
+        })
     }
 
     /// Rms of the readings plus `share` times what the errors change of them.
     pub fn rms_mm(&self, share: f64) -> f64 {
-        rms(&(&self.readings_mm + &self.errors_mm * share))
+        self.rms(&(&self.readings_mm + &self.errors_mm * share))
     }
 
-    /// The largest reading of a point, likewise.
-    pub fn largest_mm(&self, share: f64) -> f64 {
+    /// The length of the reading of each point, those that do not count too, likewise.
+    pub fn sizes_mm(&self, share: f64) -> Vec<f64> {
         let readings_mm = &self.readings_mm + &self.errors_mm * share;
-        let mut largest_mm = 0.0f64;
-        for of_point in self.of_points.windows(2) {
-            largest_mm = largest_mm.max(readings_mm.rows_range(of_point[0]..of_point[1]).norm());
-        }
-        largest_mm
+        self.of_points.iter().map(|rows| readings_mm.rows_range(rows.clone()).norm()).collect()
+    }
+
+    fn rms(&self, values: &DVector<f64>) -> f64 {
+        statistics::rms(self.rows.iter().map(|row| values[*row])).unwrap_or(0.0)
     }
 
     /// Rms of what all errors would make of readings without noise.
     pub fn without_mm(&self) -> f64 {
-        rms(&(&self.errors_mm + &self.others_mm))
+        self.rms(&(&self.errors_mm + &self.others_mm))
     }
 
     /// True where the readings show the errors at all.
     pub fn is_seen(&self) -> bool {
-        self.errors_mm.amax() > SEEN_MM
+        self.errors_mm.select_rows(&self.rows).amax() > SEEN_MM
     }
 
     /// k and its standard uncertainty.
     pub fn share(&self) -> (f64, f64) {
-        let size = self.errors_mm.norm_squared();
+        let errors_mm = self.errors_mm.select_rows(&self.rows);
+        let size = errors_mm.norm_squared();
         if size <= SEEN_MM * SEEN_MM {
             return (0.0, f64::INFINITY);
         }
-        let readings_mm = &self.readings_mm - &self.others_mm;
-        let remaining = readings_mm.dot(&self.errors_mm) / size;
-        let left = readings_mm - &self.errors_mm * remaining;
+        let readings_mm = (&self.readings_mm - &self.others_mm).select_rows(&self.rows);
+        let remaining = readings_mm.dot(&errors_mm) / size;
+        let left = readings_mm - errors_mm * remaining;
         let degrees = self.rows.len().saturating_sub(self.taken + 1).max(1);
         let scatter = (left.norm_squared() / degrees as f64).sqrt();
         (1.0 - remaining, scatter / size.sqrt())
@@ -163,8 +157,36 @@ impl Shown {
     }
 }
 
-fn rms(values: &DVector<f64>) -> f64 {
-    statistics::rms(values.iter().copied()).unwrap_or(0.0)
+/// The directions of settings, fitted to some of the rows.
+struct Basis {
+    /// A W, where A W is orthonormal in the rows that count.
+    of_all: DMatrix<f64>,
+    /// Its rows that count.
+    of_rows: DMatrix<f64>,
+    rows: Vec<usize>,
+}
+
+impl Basis {
+    fn new(columns: &DMatrix<f64>, rows: &[usize]) -> Self {
+        let columns_of_rows = columns.select_rows(rows);
+        let of_rows = orthonormal(&columns_of_rows);
+        let mut of_all = DMatrix::zeros(columns.nrows(), of_rows.ncols());
+        if of_rows.ncols() > 0 {
+            // A W = Q in these rows, W = A⁺ Q: a direction that they do not show takes nothing off any row.
+            let svd = columns_of_rows.svd(true, true);
+            let within = INDEPENDENT * svd.singular_values.max();
+            if let Ok(weights) = svd.solve(&of_rows, within) {
+                of_all = columns * weights;
+            }
+        }
+        Self { of_all, of_rows, rows: rows.into() }
+    }
+
+    /// The values without these directions.
+    fn without(&self, values: DVector<f64>) -> DVector<f64> {
+        let along = self.of_rows.tr_mul(&values.select_rows(&self.rows));
+        values - &self.of_all * along
+    }
 }
 
 /// What the errors change of a reading, mm.
@@ -241,7 +263,8 @@ mod tests {
         let excluded = fit.identification().outliers.len();
         assert!(excluded > 0, "the outlier is excluded");
         let all = fit.axis_errors().expect("errors of the axes");
-        let rows = |runs: &Experiment| Shown::new(&fit, runs, &all, &all).rows.len();
+        let rows =
+            |runs: &Experiment| Shown::new(&fit, runs, &all, &all).expect("its settings fit").rows.len();
         assert_eq!(rows(&clean), clean.points().rows(), "every reading of the other run");
         let again = crate::open(folder.path().join("points.csv")).expect("points");
         for own in [&with_outlier, &again] {
