@@ -217,7 +217,7 @@ fn parameter(joint: &SideBySide, fit: &Converged, covariance: &DMatrix<f64>, j: 
         stands_for.extend(part_of(Share::Base).map(|k| effect_of(k).into()));
         stands_for.dedup();
     }
-    let of_resting: Vec<&str> = part_of(Share::Mounting).map(name).collect();
+    let of_resting: Vec<String> = part_of(Share::Mounting).map(|k| name(k).into()).collect();
     if !of_resting.is_empty() {
         stands_for.push(format!("{}, its axis at rest", of_resting.join(", ")));
     }
@@ -246,6 +246,7 @@ fn parameter(joint: &SideBySide, fit: &Converged, covariance: &DMatrix<f64>, j: 
         value: (identified || status == Status::Held).then(|| fit.solution[j]),
         u: identified.then(|| covariance[(j, j)].sqrt()),
         status,
+        at_rest: if identified { of_resting } else { Vec::new() },
         note,
     }
 }

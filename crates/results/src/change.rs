@@ -1,5 +1,6 @@
 //! A parameter of the machine in two runs.
 
+use crate::identification::Parameter;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,4 +23,11 @@ pub struct ChangedParameter {
     pub u: f64,
     /// True when the difference is significant.
     pub changed: bool,
+}
+
+impl Parameter {
+    /// True where both values are of one thing: a parameter that stands for others does so in both.
+    pub fn is_comparable(&self, other: &Self) -> bool {
+        (&self.effect, &self.name, &self.note) == (&other.effect, &other.name, &other.note)
+    }
 }

@@ -91,6 +91,7 @@ impl From<&engine::CandidateParameter> for Parameter {
             u_another_run: None,
             observable: p.value.is_some(),
             note: String::new(),
+            at_rest: Vec::new(),
         }
     }
 }

@@ -223,6 +223,9 @@ pub struct Parameter {
     /// A remark; may be empty.
     #[serde(default)]
     pub note: String,
+    /// Errors of axes that were at rest which the value contains, as those axes stood, e.g. `EX0B`; left out where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub at_rest: Vec<String>,
 }
 
 /// A direction in parameter space that moves no reading.
@@ -366,6 +369,7 @@ impl From<&engine::FittedParameter> for Parameter {
             u_another_run: None,
             observable: parameter.observable(),
             note: parameter.note.clone(),
+            at_rest: parameter.at_rest.clone(),
         }
     }
 }

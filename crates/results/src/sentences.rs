@@ -2,7 +2,9 @@
 
 mod symbols;
 
-pub use symbols::{error_in_words, is_location, setting_in_words, unnumbered_locations};
+pub use symbols::{
+    as_axes_stand, error_in_words, is_location, location_sentence, setting_in_words, unnumbered_locations,
+};
 
 use crate::number::{degrees, justified, plain, um, unit_on_screen};
 use crate::{
@@ -10,7 +12,6 @@ use crate::{
     Moved, Parameter, PlannedCycle, Plausibility, Residual, Samples, ShapeNumber, Verdict,
 };
 use std::f64::consts::LN_10;
-use symbols::location_words;
 use trunnion_core::LEVER_MM;
 use trunnion_effects::catalogue::effect;
 pub use trunnion_effects::catalogue::effect_name;
@@ -131,26 +132,6 @@ pub fn is_clear(parameter: &Parameter) -> bool {
 /// True when an expression leads the named effects.
 pub fn formula_leads(diagnosis: &Diagnosis) -> bool {
     diagnosis.verdict == Verdict::UnnamedStructure && diagnosis.formula.is_some()
-}
-
-/// The largest errors of place and direction of the axes, in words.
-pub fn location_sentence(parameters: &[Parameter], lead: &str) -> Option<String> {
-    let mut errors: Vec<(f64, String)> = parameters
-        .iter()
-        .filter_map(|p| {
-            let value = p.value.filter(|_| is_clear(p))?;
-            let size = at_tool_um(value, &p.unit)?;
-            Some((size, location_words(&p.name, value, p.u.unwrap_or(f64::NAN))?))
-        })
-        .collect();
-    errors.sort_by(|a, b| b.0.total_cmp(&a.0));
-    errors.truncate(3);
-    if errors.is_empty() {
-        return None;
-    }
-    let list = errors.into_iter().map(|(_, words)| words).collect::<Vec<_>>().join("; ");
-    let axes = if lead.is_empty() { "Axes" } else { "axes" };
-    Some(format!("{lead}{axes} have location errors: {list}."))
 }
 
 /// `EX0C −3.20 → −1.10 µm, 8 u`.

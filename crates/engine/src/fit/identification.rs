@@ -94,6 +94,8 @@ pub struct FittedParameter {
     pub u: Option<f64>,
     /// How its number came about.
     pub status: Status,
+    /// Errors of axes at rest that are part of the value, as those axes stand, e.g. `EX0B`.
+    pub at_rest: Vec<String>,
     /// A remark for a person; may be empty.
     pub note: String,
 }

@@ -1,7 +1,7 @@
 //! Values of runs against the limits that the runs before them set (`trunnion_methods::control_chart`).
 
 use trunnion_methods::control_chart::{Baseline, Limits};
-use trunnion_results::sentences::{error_in_words, name_among};
+use trunnion_results::sentences::{as_axes_stand, error_in_words, name_among};
 use trunnion_results::{HistoryRun, Parameter, Watched, WatchedPoint};
 
 /// Name of the residual among the watched values.
@@ -10,51 +10,65 @@ const RMS: &str = Watched::RESIDUAL;
 /// Watches the residual and every parameter of the runs; notes the alarms in them. The machine began to be what it is with the run at
 /// each of `begins`: a correction or repair before it.
 pub(super) fn watch(runs: &mut [HistoryRun], begins: &[usize]) -> Vec<Watched> {
-    let mut watched: Vec<Key> = vec![Key { effect: String::new(), name: RMS.into(), unit: "um".into() }];
+    let mut watched: Vec<Key> = vec![Key::Residual];
     for value in runs.iter().flat_map(|run| &run.values) {
         if !watched.iter().any(|key| key.is_of(value)) {
-            let Parameter { effect, name, unit, .. } = value;
-            watched.push(Key { effect: effect.clone(), name: name.clone(), unit: unit.clone() });
+            watched.push(Key::Of(value.clone()));
         }
     }
-    let named = |key: &Key| {
-        let others = watched.iter().map(|other| (other.effect.as_str(), other.name.as_str()));
-        name_among(&key.effect, &key.name, others)
-    };
-    let names: Vec<String> = watched.iter().map(named).collect();
+    let names: Vec<String> = watched.iter().map(|key| key.name(&watched)).collect();
     watched.iter().zip(names).map(|(key, name)| one(runs, begins, watched.len(), key, name)).collect()
 }
 
-/// What tells values apart: parameters of two effects may have one name.
-struct Key {
-    /// Empty for the residual.
-    effect: String,
-    name: String,
-    unit: String,
+/// What is watched.
+enum Key {
+    Residual,
+    /// What every run has that is comparable with this value of the first: parameters of two effects may have one name, and a value
+    /// that contains errors of an axis at rest is not the one without them.
+    Of(Parameter),
 }
 
 impl Key {
-    fn is_residual(&self) -> bool {
-        self.effect.is_empty() && self.name == RMS
-    }
-
     fn is_of(&self, value: &Parameter) -> bool {
-        (&self.effect, &self.name) == (&value.effect, &value.name)
+        matches!(self, Self::Of(first) if first.is_comparable(value))
     }
 
     /// Value and standard uncertainty.
     fn value(&self, run: &HistoryRun) -> Option<(f64, f64)> {
-        if self.is_residual() {
-            return Some((run.rms_um?, 0.0));
+        match self {
+            Self::Residual => Some((run.rms_um?, 0.0)),
+            Self::Of(_) => {
+                let Parameter { value, u, .. } = run.values.iter().find(|value| self.is_of(value))?;
+                Some((((*value)?), (*u)?))
+            }
         }
-        let Parameter { value, u, .. } = run.values.iter().find(|value| self.is_of(value))?;
-        Some((((*value)?), (*u)?))
+    }
+
+    /// The name among all that is watched: with the effect where several have it, and with what a value stands for.
+    fn name(&self, all: &[Self]) -> String {
+        let Self::Of(first) = self else { return RMS.into() };
+        let others = || all.iter().filter_map(|other| if let Self::Of(of) = other { Some(of) } else { None });
+        let name =
+            name_among(&first.effect, &first.name, others().map(|of| (of.effect.as_str(), of.name.as_str())));
+        let is_twice =
+            others().filter(|of| (&of.effect, &of.name) == (&first.effect, &first.name)).count() > 1;
+        match as_axes_stand(&first.at_rest) {
+            Some(words) => format!("{name}, {words}"),
+            None if is_twice && !first.note.is_empty() => format!("{name}, {}", first.note),
+            None => name,
+        }
     }
 }
 
 fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, key: &Key, name: String) -> Watched {
     // A residual is not negative, and neither is its lower limit.
-    let least = if key.is_residual() { 0.0 } else { f64::NEG_INFINITY };
+    let (least, effect, words, unit) = match key {
+        Key::Residual => (0.0, String::new(), "Residual, rms".into(), "um".into()),
+        Key::Of(first) => {
+            let words = error_in_words(&first.name).unwrap_or_else(|| name.clone());
+            (f64::NEG_INFINITY, first.effect.clone(), words, first.unit.clone())
+        }
+    };
     let ends = |l: Limits| [l.mean, (l.mean - l.half_width).max(least), l.mean + l.half_width];
     let mut baseline = Baseline::default();
     let mut points = Vec::new();
@@ -72,11 +86,7 @@ fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, key: &Key, name:
         let limits = limits.map(ends);
         points.push(WatchedPoint { run: index, value, u, limits, alarm });
     }
-    let words = match key.is_residual() {
-        true => "Residual, rms".into(),
-        false => error_in_words(&key.name).unwrap_or_else(|| name.clone()),
-    };
-    Watched { name, effect: key.effect.clone(), words, unit: key.unit.clone(), points }
+    Watched { name, effect, words, unit, points }
 }
 
 #[cfg(test)]
@@ -123,6 +133,21 @@ mod tests {
         assert_eq!(names, ["rms", "scale of linear-scale:X", "scale of linear-scale:Z"]);
         assert_eq!(watched[2].effect, "linear-scale:Z");
         assert!(runs[6..].iter().all(|run| run.alarms == ["scale of linear-scale:Z"]), "{runs:?}");
+    }
+
+    /// A sweep of C alone sees C as B stands; a cycle of both axes sees C itself.
+    #[test]
+    fn a_value_that_holds_errors_of_an_axis_at_rest_is_no_value_of_the_series_without_them() {
+        let mut runs = scattered(8, 5.0);
+        runs.push(run(0.3, 25.0));
+        let swept = &mut runs[8].values[0];
+        (swept.note, swept.at_rest) = ("contains EB0B, its axis at rest".into(), vec!["EB0B".into()]);
+        let watched = watch(&mut runs, &[0]);
+        let names: Vec<&str> = watched.iter().map(|one| one.name.as_str()).collect();
+        assert_eq!(names, ["rms", "EB0C", "EB0C, as B stands"]);
+        assert_eq!(watched[2].title(), "direction of axis C about Y (EB0C, as B stands)");
+        assert_eq!(watched[1].points.len(), 8, "{:?}", watched[1].points);
+        assert!(runs[8].alarms.is_empty(), "{:?}", runs[8].alarms);
     }
 
     #[test]

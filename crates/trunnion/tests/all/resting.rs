@@ -16,6 +16,7 @@ fn numbers_that_hold_errors_of_a_resting_axis_say_so_and_go_into_no_control() {
     let ex0c = found.parameters.iter().find(|parameter| parameter.name == "EX0C").unwrap();
     assert!(ex0c.value.unwrap() < -25.0, "{ex0c:?}");
     assert_eq!(ex0c.note, "contains EZ0B, its axis at rest");
+    assert_eq!(ex0c.at_rest, ["EZ0B"]);
     let siemens = FORMATS.iter().find(|format| format.name == "siemens").unwrap();
     let refused = fit.correction(siemens, CorrectionValues::default(), Verdict::NoiseFloor).err().unwrap();
     let why = trunnion::chain(&refused);
