@@ -224,6 +224,11 @@ impl Diagnosis {
         }
     }
 
+    /// The same for a list of runs: ids, a semicolon between them.
+    pub fn named_in_short(named: &[String]) -> Option<String> {
+        Some(named.join("; ")).filter(|named| !named.is_empty())
+    }
+
     /// The effect or formula that leads, if the verdict names one.
     pub fn best(&self) -> Option<String> {
         match self.verdict {

@@ -144,8 +144,12 @@ pub struct RunLine {
 pub struct RunFound {
     /// The verdict.
     pub verdict: Verdict,
-    /// The first candidate.
+    /// The effect or formula that leads, if the verdict names one.
     pub candidate: Option<String>,
+    /// All that the verdict names: the effects found together, best first, else the effect or formula that leads; empty in answers of
+    /// older versions.
+    #[serde(default)]
+    pub named: Vec<String>,
     /// Residual of the fit, µm rms.
     pub rms_um: f64,
     /// Ids of the effects of the model.

@@ -16,9 +16,31 @@ pub fn in_short(fit: &Identification, diagnosis: &Diagnosis) -> RunFound {
     RunFound {
         verdict: diagnosis.verdict,
         candidate: diagnosis.best(),
+        named: diagnosis.named(),
         rms_um: fit.rms_um,
         effects: fit.effects.clone(),
         location_errors: fit.parameters.iter().filter(location).cloned().collect(),
         temperature_degc: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trunnion::results::{Candidate, Together, Verdict};
+
+    #[test]
+    fn what_was_found_together_is_all_there() {
+        let ids = ["thermal-expansion", "thermal-drift"].map(String::from);
+        let diagnosis = Diagnosis {
+            verdict: Verdict::MissingEffect,
+            candidates: ids.clone().map(|effect| Candidate { effect, ..Candidate::default() }).into(),
+            set: ids.to_vec(),
+            together: Some(Together::default()),
+            ..Diagnosis::default()
+        };
+        let found = in_short(&Identification::default(), &diagnosis);
+        assert_eq!(found.named, ids);
+        assert_eq!(found.candidate.as_ref(), ids.first(), "the first alone is still an id");
     }
 }

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use trunnion_core::chain;
 use trunnion_results::sentences::{is_setting, not_plausible};
 use trunnion_results::{
-    Alarm, AlarmsNow, CorrectionEntered, HistoryRun, MachineHistory, Parameter, RunChange, RunFound, RunLine,
-    Verdict,
+    Alarm, AlarmsNow, CorrectionEntered, Diagnosis, HistoryRun, MachineHistory, Parameter, RunChange,
+    RunFound, RunLine, Verdict,
 };
 
 /// Which runs make a history.
@@ -155,7 +155,8 @@ fn of_line(line: &RunLine, found: &RunFound) -> HistoryRun {
         began_s: line.began_s,
         began: line.began.clone(),
         verdict: found.verdict,
-        candidate: found.candidate.clone(),
+        // Answers of older versions know the first only.
+        candidate: Diagnosis::named_in_short(&found.named).or_else(|| found.candidate.clone()),
         rms_um: Some(found.rms_um),
         temperature_degc: found.temperature_degc,
         values: found.location_errors.clone(),
@@ -171,8 +172,13 @@ fn watched(history: &mut MachineHistory, since: usize, corrections: &[Correction
     begins.push(since);
     history.watched = watch::watch(&mut history.runs, &begins);
     history.around_corrections = corrections::around(&history.runs, &history.corrections);
-    if history.runs.iter().any(|run| run.began_s.is_none()) {
-        history.notes.push("Runs without a date come first, in order of their names.".into());
+    let dated = history.runs.iter().filter(|run| run.began_s.is_some()).count();
+    match history.runs.len() - dated {
+        0 => {}
+        _ if dated == 0 => {
+            history.notes.push("No run has a date: they stand in order of their names.".into())
+        }
+        _ => history.notes.push("Runs without a date come first, in order of their names.".into()),
     }
 }
 
@@ -237,7 +243,7 @@ fn judged(files: &[PathBuf], run: HistoryRun, model: Option<&Model>) -> (History
                 |p: &&Parameter| judged && p.value.is_some() && p.u.is_some() && !is_setting(&p.effect);
             let run = HistoryRun {
                 verdict: diagnosis.verdict,
-                candidate: Some(diagnosis.named().join("; ")).filter(|named| !named.is_empty()),
+                candidate: Diagnosis::named_in_short(&diagnosis.named()),
                 rms_um: Some(fit.rms_um).filter(|_| judged),
                 temperature_degc: diagnosed.fit().experiment().temperature_degc(),
                 values: fit.parameters.iter().filter(of_machine).cloned().collect(),

@@ -51,3 +51,16 @@ fn a_value_outside_its_limits_is_named_with_them_and_with_the_run_since_which_it
     assert!((alarm.mean - 5.4).abs() < 1e-9 && alarm.low < 5.0 && alarm.high > 5.8, "{alarm:?}");
     assert!(alarm.high < 25.0 && alarm.words.contains("axis C"), "{alarm:?}");
 }
+
+/// Answers of older versions know the first effect only.
+#[test]
+fn a_run_of_the_list_shows_all_that_was_found_together() {
+    let mut lines = lines(&[5.0, 5.4]);
+    for (line, named) in lines.iter_mut().zip([&["thermal-expansion", "thermal-drift"][..], &[]]) {
+        let found = line.found.as_mut().unwrap();
+        found.candidate = Some("thermal-expansion".into());
+        found.named = named.iter().map(ToString::to_string).collect();
+    }
+    let shown: Vec<_> = of_found(&lines, &[]).runs.into_iter().map(|run| run.candidate.unwrap()).collect();
+    assert_eq!(shown, ["thermal-expansion; thermal-drift", "thermal-expansion"]);
+}

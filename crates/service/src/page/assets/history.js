@@ -49,7 +49,9 @@ function table(page, runs) {
       location.hash = "#result";
     });
     const { found } = run;
-    const verdict = found ? [VERDICTS[found.verdict] ?? found.verdict, found.candidate].filter(Boolean).join(": ") : run.trouble || "not analysed yet";
+    // Answers of older versions know the first only.
+    const named = found?.named.length ? found.named.join("; ") : found?.candidate;
+    const verdict = found ? [VERDICTS[found.verdict] ?? found.verdict, named].filter(Boolean).join(": ") : run.trouble || "not analysed yet";
     const gone = run.removed ? el("small", { class: "soft" }, ` samples removed ${run.removed}`) : null;
     // What a person looks for stands first: a small screen shows the first columns.
     return el("tr", {}, el("td", {}, pick), el("td", {}, verdict, gone),
@@ -137,6 +139,7 @@ function draw({ runs, watched, corrections: entered }, parameter) {
   const times = runs.map((run) => run.began_s);
   const dated = times.every((time) => time != null) && times.every((time, i) => i === 0 || time > times[i - 1]);
   const x = dated ? times : runs.map((_, i) => i + 1);
+  const order = dated ? "day, UTC" : orderOf(times);
   const of = (name) => {
     const one = watched.find((value) => value.name === name);
     if (!one) return null;
@@ -146,7 +149,7 @@ function draw({ runs, watched, corrections: entered }, parameter) {
     const range = scaleOf(one.points.map(({ value }) => value), limits.at(-1)?.ends ?? [], name === "rms" ? 0 : -Infinity);
     const marks = dated ? entered.map(({ at_s: at }) => at) : [];
     const values = runs.map((_, i) => one.points.find(({ run }) => run === i)?.value ?? null);
-    const drawn = chart({ title: `${capital(titleOf(one))}, with control limits`, x, dated, range, unit, marks, label: name === "rms" ? "residual, rms" : name, values, limits });
+    const drawn = chart({ title: `${capital(titleOf(one))}, with control limits`, x, dated, order, range, unit, marks, label: name === "rms" ? "residual, rms" : name, values, limits });
     const digits = (ends) => ends.map((end) => justified(end, (ends[1] - ends[0]) / 2)).join(" to ");
     const wide = limits.filter(({ ends }) => ends[0] < range[0] || ends[1] > range[1]);
     const shown = wide.slice(0, SAID).map(({ run, ends }) => `${runs[run].run} ${digits(ends)} ${unit}`);
@@ -157,10 +160,17 @@ function draw({ runs, watched, corrections: entered }, parameter) {
   const note = `Limits are set by the runs before${entered.length ? ", since the last correction (dashed upright line)" : ""}: at most one false alarm in 365 runs over all values together.`;
   const degc = runs.map((run) => run.temperature_degc ?? null);
   const temperature = () => chart({
-    title: "Temperature, mean of all channels", x, dated, range: scaleOf(degc.filter((one) => one != null), [], -Infinity), unit: "°C",
+    title: "Temperature, mean of all channels", x, dated, order, range: scaleOf(degc.filter((one) => one != null), [], -Infinity), unit: "°C",
     marks: dated ? entered.map(({ at_s: at }) => at) : [], label: "temperature", values: degc, limits: [],
   });
   return [of("rms"), parameter ? of(parameter) : null, el("p", { class: "soft" }, note), degc.some((one) => one != null) ? temperature() : null].filter(Boolean);
+}
+
+// What the list of runs is in order of, where they are not all dated apart.
+function orderOf(times) {
+  const undated = times.filter((time) => time == null).length;
+  if (!undated) return "run, in order of time";
+  return undated === times.length ? "run, in order of names" : "run, those without a date first";
 }
 
 // Runs whose limits are written out.
@@ -184,7 +194,7 @@ function scaleOf(values, last, least) {
   return [Math.max(least, low - margin), high + margin];
 }
 
-function chart({ title, x, dated, range, unit, marks, label, values, limits }) {
+function chart({ title, x, dated, order, range, unit, marks, label, values, limits }) {
   const said = values.map((value) => (value == null ? "—" : plain(value))).join(", ");
   const place = el("div", { class: "chart", role: "img", "aria-label": `${title}, ${unit}: ${said}` });
   const along = dated ? days : { incrs: [1, 2, 5, 10, 20, 50, 100, 200] };
@@ -196,7 +206,7 @@ function chart({ title, x, dated, range, unit, marks, label, values, limits }) {
     const of = (k) => values.map((_, i) => limits.find(({ run }) => run === i)?.ends[k] ?? null);
     printed(new uPlot({
       // Room for the last day's name and the limits of its run.
-      width, height: 260, padding: [12, 40, 0, 0], tzDate: (at) => uPlot.tzDate(new Date(at * 1000), "UTC"), scales: { x: { time: dated }, y: { range } }, axes: over(dated ? "day, UTC" : "run, in order of time", unit, along), legend: { live: false },
+      width, height: 260, padding: [12, 40, 0, 0], tzDate: (at) => uPlot.tzDate(new Date(at * 1000), "UTC"), scales: { x: { time: dated }, y: { range } }, axes: over(order, unit, along), legend: { live: false },
       hooks: { draw: [(plot) => mark(plot, marks), (plot) => bars(plot, x, limits, range)] },
       series: [{ label: dated ? "began" : "run" }, { label, stroke, width: 2, points: { show: true, size: 7, fill: stroke }, spanGaps: true }, ...(limits.length ? [limit("lower limit"), limit("upper limit")] : [])],
     }, [x, values, ...(limits.length ? [of(0), of(1)] : [])], place));
