@@ -3,9 +3,15 @@
 //! Significant where |d| > t u(d), with one false one in a year of daily runs over all m parameters, as for the limits.
 //! An effect that the later run shows and the earlier does not is put into the model of both first: else the other parameters take
 //! its place. Whether the parameters are all that changed is asked of the readings: the values of the earlier run predict the later.
+//! Where they do not hold, the later run differs only if values of its own leave less:
+//! n (r₁² − r₂²) > p t² (s₁² + s₂²),   t as for one parameter
+//! n readings, r₁ rms that the values of the earlier run leave of them, r₂ that of its own, p parameters fitted, s₁ and s₂ rms of the two fits.
+//! The left side is |J d|², J columns of the parameters: (s₁² + s₂²) χ²(p) for an unchanged machine, and χ²(p) exceeds p t² at most as often as
+//! χ²(1) exceeds t². What both leave is no change of values: the readings scatter about the model.
 //! Limits: u is what the runs know of themselves; what differs from day to day without being a change is in the control limits.
 
 use crate::{Diagnosed, Error, Fit};
+use trunnion_core::convert::mm_from_um;
 use trunnion_methods::control_chart::{RUNS_PER_FALSE_ALARM, t_beyond};
 use trunnion_results::number::{decimals_of_u, percent, signed, um, unit_on_screen};
 use trunnion_results::sentences::{effect_name, error_in_words, is_setting};
@@ -42,7 +48,12 @@ pub(super) fn change(
     };
     let predicted = predicted(&fits)?;
     change.rms_with_old_um = predicted.as_ref().map(|run| run.rms_um);
-    change.words = words(&change, predicted.as_ref(), is.verdict);
+    let asked = predicted.as_ref().map(|run| Asked {
+        run,
+        differs: is_beyond(run, &before, &fits[1]),
+        before_um: before.rms_um,
+    });
+    change.words = words(&change, asked.as_ref(), is.verdict);
     Ok(change)
 }
 
@@ -69,6 +80,26 @@ fn predicted([before, after]: &[Fit; 2]) -> Result<Option<RunPrediction>, Error>
     Ok(before.predict(after.experiment())?.runs.into_iter().next())
 }
 
+/// What the readings of the later run say of the values of the earlier.
+struct Asked<'p> {
+    run: &'p RunPrediction,
+    /// True where they do not hold, and values of its own leave significantly less.
+    differs: bool,
+    /// What the model left in the earlier run, µm rms.
+    before_um: f64,
+}
+
+/// True where values of the later run leave significantly less of its readings than those of the earlier.
+fn is_beyond(run: &RunPrediction, before: &Identification, after: &Fit) -> bool {
+    let fit = after.identification();
+    let fitted = fit.parameters.iter().filter(|p| p.observable() && !is_setting(&p.effect)).count();
+    let t = t_beyond(1.0 / RUNS_PER_FALSE_ALARM, MANY);
+    // Of all readings, as the prediction: an outlier of the fit is none of the scatter s.
+    let moved = run.readings as f64 * mm_from_um(run.rms_um).powi(2) - fit.residual_mm.norm_squared();
+    let scatter = mm_from_um(before.rms_um).powi(2) + fit.rms_mm.powi(2);
+    moved > fitted as f64 * t * t * scatter
+}
+
 /// Parameters without those of the mounting.
 fn of_machine(fit: &Identification) -> Vec<Parameter> {
     fit.parameters.iter().filter(|p| !is_setting(&p.effect)).cloned().collect()
@@ -77,10 +108,7 @@ fn of_machine(fit: &Identification) -> Vec<Parameter> {
 /// Every parameter that both determine, most changed first.
 fn differences(before: &[Parameter], after: &[Parameter]) -> Vec<ChangedParameter> {
     let both = |after: &Parameter| {
-        // A parameter that stands for others does so in both, or it is not the same thing.
-        let before = before.iter().find(|before| {
-            (&before.effect, &before.name, &before.note) == (&after.effect, &after.name, &after.note)
-        })?;
+        let before = before.iter().find(|before| before.is_comparable(after))?;
         let (value, other) = (after.value?, before.value?);
         let u = after.u?.hypot(before.u?);
         (u > 0.0).then(|| ChangedParameter {
@@ -103,7 +131,7 @@ fn differences(before: &[Parameter], after: &[Parameter]) -> Vec<ChangedParamete
     found
 }
 
-fn words(change: &RunChange, predicted: Option<&RunPrediction>, verdict: Verdict) -> Vec<String> {
+fn words(change: &RunChange, asked: Option<&Asked<'_>>, verdict: Verdict) -> Vec<String> {
     let (from, to) = (&change.from, &change.to);
     let mut words = Vec::new();
     for effect in &change.new_effects {
@@ -121,19 +149,33 @@ fn words(change: &RunChange, predicted: Option<&RunPrediction>, verdict: Verdict
             changed.iter().filter(|one| one.effect == effect).map(|one| in_words(one)).collect();
         words.push(format!("Changed in {}: {}.", effect_name(effect), list.join("; ")));
     }
-    match predicted.map(RunPrediction::holds) {
+    match asked {
         _ if !words.is_empty() => {}
         None => words.push("No value changed significantly.".into()),
-        Some(true) => words.push(format!("Nothing changed: the values of {from} predict {to}.")),
-        Some(false) => {
+        Some(asked) if asked.run.holds() => {
+            words.push(format!("Nothing changed: the values of {from} predict {to}."));
+        }
+        Some(Asked { differs: true, .. }) => {
             words.push(format!("{to} differs from what the values of {from} predict."));
             words.push("No parameter of the model changed significantly: no effect explains it.".into());
+        }
+        Some(Asked { before_um, .. }) => {
+            words.push(format!(
+                "No value changed significantly: values of its own fit {to} hardly better than those of {from}."
+            ));
+            if let Some(after_um) = change.rms_with_new_um.filter(|after_um| after_um > before_um) {
+                words.push(format!(
+                    "The model leaves more in {to} than in {from}: {} rms, and {} there. Whether that is unusual, the limits of the residual say.",
+                    um(after_um),
+                    um(*before_um)
+                ));
+            }
         }
     }
     if verdict == Verdict::UnnamedStructure {
         words.push(format!("{to} shows something that the catalogue has no name for."));
     }
-    if let Some((run, new_um)) = predicted.zip(change.rms_with_new_um) {
+    if let Some((Asked { run, .. }, new_um)) = asked.zip(change.rms_with_new_um) {
         words.push(format!(
             "The values of {from} leave {} rms in {to} ({} of the readings in their 95 % band), values of its own {}.",
             um(run.rms_um),
@@ -158,4 +200,36 @@ fn in_words(one: &ChangedParameter) -> String {
         unit_on_screen(&one.unit),
         one.difference.abs() / one.u
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The committed points of one name, fitted with the base model.
+    fn fitted(set: &str) -> Fit {
+        let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data");
+        let run = crate::open(format!("{data}/{set}/points.csv")).expect("committed points");
+        run.fit(&run.base_model()).expect("it can be fitted")
+    }
+
+    #[test]
+    fn another_machine_differs_from_what_the_values_of_the_first_predict_and_the_same_run_does_not() {
+        let [first, other] = ["points-nothing-hidden", "points-gravity"].map(fitted);
+        let differs = |before: &Fit, after: &Fit| {
+            let run = predicted(&[before.clone(), after.clone()]).expect("a prediction").expect("a run");
+            is_beyond(&run, &before.results(), after)
+        };
+        assert!(differs(&first, &other));
+        assert!(!differs(&first, &first));
+    }
+
+    #[test]
+    fn a_difference_that_no_value_explains_is_said() {
+        let run = RunPrediction { rms_um: 5.0, inside_95_fraction: 0.4, ..RunPrediction::default() };
+        let change = RunChange { from: "a".into(), to: "b".into(), ..RunChange::default() };
+        let said =
+            words(&change, Some(&Asked { run: &run, differs: true, before_um: 1.0 }), Verdict::Undecided);
+        assert!(said[0].contains("b differs from what the values of a predict"), "{said:?}");
+    }
 }

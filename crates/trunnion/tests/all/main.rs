@@ -4,6 +4,7 @@
 
 mod adequate;
 mod alarms;
+mod changes;
 mod conformity;
 mod examples;
 mod forecast;

@@ -68,7 +68,7 @@ impl Files {
         self.read(self.text().as_bytes()).unwrap()
     }
 
-    fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let rows: Vec<String> = self.rows.iter().map(|row| row.join(",")).collect();
         format!("{}\n{}\n", self.header.join(","), rows.join("\n"))
     }
