@@ -30,8 +30,6 @@ pub enum DoubtReason {
     BeyondPhysical,
     /// A time constant longer than the longest run.
     LongerThanRun,
-    /// A time constant shorter than the time between two readings.
-    ShorterThanStep,
     /// One direction is stated at every point of an axis that went both ways.
     OneDirection,
     /// Readings of one pose scatter more than those of a machining centre in order.
@@ -79,13 +77,6 @@ impl From<&engine::Doubt> for Doubt {
                     "{names} of {} is longer than the longest run ({}): its course was not seen to the end.",
                     with_unit(tau_s.round(), "s"),
                     with_unit(longest_s.round(), "s")
-                ),
-            ),
-            engine::DoubtReason::ShorterThanStep { step_s, .. } => (
-                DoubtReason::ShorterThanStep,
-                format!(
-                    "{names} is shorter than the time between two readings ({}): no lag was seen.",
-                    with_unit(step_s.round().max(1.0), "s")
                 ),
             ),
             engine::DoubtReason::OneDirection { joint, stated, contrary: [contrary, all] } => (

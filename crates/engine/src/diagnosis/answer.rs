@@ -236,6 +236,7 @@ impl Context<'_> {
             if is_found { confused_with(scan, self.found, item, self.options.claim_ln) } else { Vec::new() };
         let rivals: Vec<_> = confused.iter().map(|&g| &scan.named[g].instance).collect();
         let shown = if is_found { with_all } else { refit };
+        let no_lag = shown.no_lag(self.problem.experiment(), &instance.id());
         let (parameters, mut waves) = self.parameters(refit);
         let own = waves.iter().position(|(effect, _)| *effect == instance.id());
         let period = own.map(|at| waves.swap_remove(at).1);
@@ -249,7 +250,7 @@ impl Context<'_> {
             separate_by: words::separate_by(instance, &rivals),
             confused_with: rivals.iter().map(|instance| instance.id()).collect(),
             adequate: explains_all && doubt.is_none(),
-            remarks: period.iter().map(Wave::words).chain(doubt).collect(),
+            remarks: period.iter().map(Wave::words).chain(no_lag).chain(doubt).collect(),
             doubts: shown.doubts(self.problem, &instance.id()),
             seen_together: shown.seen_together(&instance.id()).cloned().collect(),
             period,

@@ -1,8 +1,9 @@
 //! What additions do to the error: the fits of the model with each of them, as adding it makes them.
 
+use crate::Experiment;
 use crate::diagnosis::verdict::CandidateParameter;
 use crate::evidence::parallel;
-use crate::fit::doubts::{Doubt, doubts_of};
+use crate::fit::doubts::{Doubt, doubts_of, no_lag};
 use crate::fit::identification::Identification;
 use crate::fit::options::IdentifyError;
 use crate::problem::Problem;
@@ -97,6 +98,11 @@ impl Refit {
         model.effects.extend(self.added.iter().cloned());
         let own = self.fit.effects.iter().find(|effect| effect.id == id);
         own.map_or_else(Vec::new, |effect| doubts_of(problem.experiment(), &model, &self.fit, effect))
+    }
+
+    /// What its time constant says where it is none.
+    pub fn no_lag(&self, experiment: &Experiment, id: &str) -> Option<String> {
+        no_lag(experiment, self.fit.effects.iter().find(|effect| effect.id == id)?)
     }
 
     /// Effects that were added, with their shape numbers.

@@ -4,7 +4,7 @@
 //!   settings projected out; share of the variance of coefficient j in direction k: π_jk = (v_jk²/s_k²) / Σ_k (v_jk²/s_k²). Where η_k > 30
 //!   and the π_jk of those directions add up to more than ½ for two or more coefficients, these are collinear [Belsley 1980].
 //! - A parameter larger than its cause allows (`Limit`).
-//! - A time constant longer than the longest run: its course was never seen. One shorter than the time between readings: no lag was seen.
+//! - A time constant longer than the longest run: its course was never seen.
 //! - One stated direction of an axis that goes both ways: an approach from one side, or a column that was never filled in.
 //! - Readings at rest that scatter as no machining centre in order does: a wrong unit, or something loose.
 
@@ -63,13 +63,6 @@ pub enum DoubtReason {
         /// The longest run, s.
         longest_s: f64,
     },
-    /// A time constant shorter than the time between two readings.
-    ShorterThanStep {
-        /// Its value, s.
-        tau_s: f64,
-        /// Usual time from one reading to the next, s.
-        step_s: f64,
-    },
     /// One direction is stated at every point of an axis that went both ways.
     OneDirection {
         /// The axis.
@@ -125,7 +118,7 @@ pub(crate) fn doubts_of(
             found.push(Doubt { effect: Some(effect.id.clone()), names, reason });
         }
     }
-    found.extend(unseen_course(experiment, effect));
+    found.extend(longer_than_run(experiment, effect));
     found
 }
 
@@ -197,38 +190,40 @@ fn collinear(mut columns: DMatrix<f64>, settings: &DMatrix<f64>) -> Option<(f64,
     (involved.len() > 1).then(|| ((largest / eigen.eigenvalues.min()).sqrt(), involved))
 }
 
-/// Time constants whose course the times of the readings do not show.
-fn unseen_course(experiment: &Experiment, effect: &FittedEffect) -> Vec<Doubt> {
-    let is_time_constant = |name: &str| name.starts_with("tau") && name.ends_with("_s");
-    let numbers = effect.shape_names.iter().zip(&effect.shape);
-    let constants: Vec<(&String, f64)> =
-        numbers.filter(|(name, _)| is_time_constant(name)).map(|(name, tau_s)| (name, *tau_s)).collect();
-    if constants.is_empty() {
-        return Vec::new();
-    }
-    let of_run = |run: usize| -> Vec<f64> {
-        let own = (0..experiment.points.len()).filter(|&i| experiment.run_of_point[i] == run);
-        own.filter_map(|i| experiment.points[i].state.time_s).collect()
-    };
-    let runs: Vec<Vec<f64>> = (0..experiment.runs.len()).map(of_run).collect();
-    let length_s = |times: &Vec<f64>| match times.iter().copied().reduce(f64::max) {
+/// Time constants whose course was not seen to the end.
+fn longer_than_run(experiment: &Experiment, effect: &FittedEffect) -> Option<Doubt> {
+    let length_s = |times: Vec<f64>| match times.iter().copied().reduce(f64::max) {
         Some(last) => last - times.iter().copied().fold(last, f64::min),
         None => 0.0,
     };
-    let longest_s = runs.iter().map(length_s).fold(0.0, f64::max);
-    let steps: Vec<f64> =
-        runs.iter().flat_map(|times| times.windows(2).map(|two| (two[1] - two[0]).abs())).collect();
-    let step_s = upper_median(&steps).unwrap_or(0.0);
-    let doubt = |is_meant: &dyn Fn(f64) -> bool, reason: &dyn Fn(f64) -> DoubtReason| {
-        let meant: Vec<_> =
-            constants.iter().filter(|(_, tau_s)| longest_s > 0.0 && is_meant(*tau_s)).collect();
-        let tau_s = meant.iter().map(|(_, tau_s)| *tau_s).reduce(f64::max)?;
-        let names = meant.iter().map(|(name, _)| (*name).clone()).collect();
-        Some(Doubt { effect: Some(effect.id.clone()), names, reason: reason(tau_s) })
-    };
-    let long = doubt(&|tau_s| tau_s > longest_s, &|tau_s| DoubtReason::LongerThanRun { tau_s, longest_s });
-    let short = doubt(&|tau_s| tau_s < step_s, &|tau_s| DoubtReason::ShorterThanStep { tau_s, step_s });
-    long.into_iter().chain(short).collect()
+    let longest_s = times_of_runs(experiment).map(length_s).fold(0.0, f64::max);
+    let long = time_constants(effect).filter(|(_, tau_s)| longest_s > 0.0 && *tau_s > longest_s);
+    let (names, values): (Vec<String>, Vec<f64>) =
+        long.map(|(name, tau_s)| (name.to_string(), tau_s)).unzip();
+    let tau_s = values.into_iter().reduce(f64::max)?;
+    let reason = DoubtReason::LongerThanRun { tau_s, longest_s };
+    Some(Doubt { effect: Some(effect.id.clone()), names, reason })
+}
+
+/// What a time constant shorter than the usual time from one reading to the next says: nothing is wrong with it.
+pub(crate) fn no_lag(experiment: &Experiment, effect: &FittedEffect) -> Option<String> {
+    let step =
+        |times: Vec<f64>| -> Vec<f64> { times.windows(2).map(|two| (two[1] - two[0]).abs()).collect() };
+    let step_s = upper_median(&times_of_runs(experiment).flat_map(step).collect::<Vec<f64>>())?;
+    let (name, _) = time_constants(effect).find(|(_, tau_s)| *tau_s < step_s)?;
+    Some(format!("No lag was seen: {name} is shorter than the time between two readings ({step_s:.0} s)."))
+}
+
+fn times_of_runs(experiment: &Experiment) -> impl Iterator<Item = Vec<f64>> {
+    (0..experiment.runs.len()).map(|run| {
+        let own = (0..experiment.points.len()).filter(|&i| experiment.run_of_point[i] == run);
+        own.filter_map(|i| experiment.points[i].state.time_s).collect()
+    })
+}
+
+fn time_constants(effect: &FittedEffect) -> impl Iterator<Item = (&str, f64)> {
+    let numbers = effect.shape_names.iter().zip(&effect.shape).map(|(name, value)| (name.as_str(), *value));
+    numbers.filter(|(name, _)| name.starts_with("tau") && name.ends_with("_s"))
 }
 
 #[cfg(test)]
