@@ -1,6 +1,6 @@
 //! Bad input through the binary: file, line, what was found, what is allowed; exit codes of the contract.
 
-use crate::program::{answer, written};
+use crate::program::{answer, trunnion, written};
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -68,6 +68,46 @@ fn a_broken_points_file_is_refused_with_line_and_column() {
     import_with(&points.replacen("dx_um", "dx_mm", 1), &setup, &["points.csv:1", "dx_mm", "dx_um"]);
     import_with(&points.replacen("\nlow,", "\nmiddle,", 1), &setup, &["points.csv:2", "middle", "low"]);
     import_with(&points, &setup.replace("table-bc", "table-xy"), &["setup.toml:2", "table-xy"]);
+}
+
+#[test]
+fn no_output_takes_the_place_of_a_file_that_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = imported(folder.path(), |_, rows| rows.into_iter().map(str::to_owned).collect());
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let model = written(folder.path(), "m.toml", "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n");
+    let (points, setup) = (path("points.csv"), path("setup.toml"));
+    let correct = ["correct", &run, "--control", "csv", "--although-inadequate", "--although-not-better"];
+    let with = |more: &[&'_ str]| [&correct[..], more].concat().iter().map(|arg| arg.to_string()).collect();
+    let refusals: [(Vec<String>, &str); 9] = [
+        (with(&["-o", &run]), "this command reads"),
+        (with(&["--model", &model, "-o", &model]), "this command reads"),
+        (strings(&["export", "csv", &run, "-o", &run]), "this command reads"),
+        (strings(&["compare", &run, "--html", &run]), "this command reads"),
+        (strings(&["volumetric", &run, "--html", &run]), "this command reads"),
+        (strings(&["report", &run, "--pdf", &run]), "this command reads"),
+        (strings(&["identify", &run, "--method", "two-height", "--html", &run]), "this command reads"),
+        (strings(&["compare", &run, "--html", &setup]), "setup.toml is a setup file"),
+        (strings(&["plan", &run, "--rivals", "backlash:C,servo-lag:C", "-o", &points]), "a table of points"),
+    ];
+    let before: Vec<Vec<u8>> =
+        [&run, &model, &points, &setup].map(|path| std::fs::read(path).unwrap()).into();
+    for (args, why) in &refusals {
+        let args: Vec<&str> = args.iter().map(String::as_str).collect();
+        check_refused(&args, &[why, "Name another file"]);
+    }
+    let after: Vec<Vec<u8>> = [&run, &model, &points, &setup].map(|path| std::fs::read(path).unwrap()).into();
+    assert!(before == after, "every file is as it was");
+    // An earlier output of its own gives way.
+    for _ in 0..2 {
+        trunnion(&["export", "csv", &run, "-o", &path("again.csv")]);
+        trunnion(&["export", "foxglove", &run, "-o", &path("view.mcap")]);
+    }
+    check_refused(&["import", &points, "-o", &points], &["ends in .mcap", "points.mcap"]);
+}
+
+fn strings(args: &[&str]) -> Vec<String> {
+    args.iter().map(|arg| arg.to_string()).collect()
 }
 
 #[test]

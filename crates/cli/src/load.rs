@@ -26,6 +26,11 @@ pub struct RunArgs {
 }
 
 impl RunArgs {
+    /// The files that are read.
+    pub fn paths<'a>(&'a self, model: &'a ModelArgs) -> impl Iterator<Item = &'a Path> + Clone {
+        self.runs.iter().chain(&model.model).map(PathBuf::as_path)
+    }
+
     /// These recordings with the usual number of blocks.
     pub fn of(runs: Vec<PathBuf>) -> Self {
         Self { runs, blocks: None }

@@ -1,14 +1,45 @@
 //! Files that commands write, and findings shown, written as JSON or put on a page.
 
 use crate::terminal;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use std::io::ErrorKind;
+use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use trunnion::Error;
 use trunnion::report::{findings_html, findings_text};
 use trunnion::results::Findings;
 
-/// Writes a text file whole or not at all. A pipe or a device takes the text as it comes, and so does a file whose folder takes no other
+/// Refuses outputs, each with its option, that are files the command reads, under whatever name.
+///
+/// # Errors
+/// The first of them.
+pub fn not_an_input<'a>(
+    outputs: &[(&str, Option<&Path>)],
+    inputs: impl IntoIterator<Item = &'a Path> + Clone,
+) -> anyhow::Result<()> {
+    for &(option, output) in outputs {
+        let Some(output) = output else { continue };
+        if let Some(input) = inputs.clone().into_iter().find(|input| is_same(input, output)) {
+            bail!(
+                "{option} {} would take the place of {}, which this command reads: nothing was written. Name another file",
+                output.display(),
+                input.display()
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Two names of one file.
+fn is_same(one: &Path, other: &Path) -> bool {
+    let place = |path: &Path| {
+        let about = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+        Some((about.dev(), about.ino()))
+    };
+    place(one).is_some_and(|there| place(other) == Some(there))
+}
+
+/// Writes a text file whole or not at all, and not in the place of a file of another kind that this program reads. A pipe or a device takes the text as it comes, and so does a file whose folder takes no other
 /// next to it.
 pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     let in_place = || std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()));
@@ -55,6 +86,21 @@ pub fn findings(findings: &Findings, page: Option<&Path>, json: bool) -> anyhow:
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_input_is_known_under_every_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let [run, link, hard, new] = ["run.mcap", "link", "hard", "new"].map(|name| folder.path().join(name));
+        std::fs::write(&run, "").unwrap();
+        std::os::unix::fs::symlink(&run, &link).unwrap();
+        std::fs::hard_link(&run, &hard).unwrap();
+        for output in [&run, &link, &hard] {
+            let refused = not_an_input(&[("-o", Some(output))], [run.as_path()]).unwrap_err().to_string();
+            assert!(refused.starts_with("-o ") && refused.contains("Name another file"), "{refused}");
+        }
+        not_an_input(&[("-o", Some(&new)), ("--html", None)], [run.as_path()]).unwrap();
+        not_an_input(&[("-o", Some(Path::new("/dev/null")))], [Path::new("/dev/null")]).unwrap();
+    }
 
     #[test]
     fn a_file_is_written_whole_and_what_stands_next_to_it_goes() {

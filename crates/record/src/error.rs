@@ -40,6 +40,14 @@ pub enum RecordError {
         /// The file in the way.
         path: PathBuf,
     },
+    /// Another ending than that of recordings.
+    #[error("the name of a recording ends in .mcap: write {}", better.display())]
+    Ending {
+        /// As asked.
+        path: PathBuf,
+        /// The same with the ending.
+        better: PathBuf,
+    },
     /// Nothing of the file can be read.
     #[error("{} is not a recording: at byte {offset}, {reason}", path.display())]
     NotARecording {

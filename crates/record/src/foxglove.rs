@@ -22,6 +22,14 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+/// Follows the version of the program in the header of such a file, and of no recording.
+const LIBRARY_END: &str = " for viewers";
+
+/// Whether a file that begins so was written here.
+pub fn begins(beginning: &[u8]) -> bool {
+    beginning.windows(LIBRARY_END.len()).any(|window| window == LIBRARY_END.as_bytes())
+}
+
 const DESCRIPTORS: &[u8] = include_bytes!("../schema/foxglove.fds");
 
 /// A topic, and the message that it carries.
@@ -51,7 +59,7 @@ impl FoxgloveWriter {
         let options = WriteOptions::new()
             .compression(Some(Compression::Zstd))
             .compression_threads(0)
-            .library(format!("trunnion {software_version}"));
+            .library(format!("trunnion {software_version}{LIBRARY_END}"));
         let writer = options.create(BufWriter::new(file)).map_err(RecordError::write(path))?;
         Ok(Self { path: path.into(), header: header.clone(), writer, channels: HashMap::new() })
     }

@@ -23,6 +23,15 @@ use trunnion_machine::{Machine, shipped};
 /// Receives the run without its points, a point, and what the encoders read there.
 pub type OnRow<'v> = &'v mut dyn FnMut(&Run, Point, Option<AxisSample>);
 
+/// Whether a text begins as a points file does: with a header that has setups, and positions or readings with their units.
+pub fn begins(text: &str) -> bool {
+    let header = rows(text).next().map_or_else(Vec::new, |row| row.cells);
+    let names: Vec<String> = header.into_iter().map(|(_, cell)| cell.to_ascii_lowercase()).collect();
+    let units = ["_mm", "_deg", "_um"];
+    names.iter().any(|name| name == "setup")
+        && names.iter().any(|name| units.iter().any(|unit| name.ends_with(unit)))
+}
+
 /// Reads a points file into a run called `name`; `file` is shown in problems.
 ///
 /// # Errors

@@ -44,8 +44,11 @@ impl RunWriter {
     /// Begins the recording `path` (ending in `.mcap`).
     ///
     /// # Errors
-    /// As [`Recorder::create`].
+    /// As [`Recorder::create`]; another ending.
     pub fn create(path: &Path, header: &RunHeader) -> Result<Self, RecordError> {
+        if path.extension().is_none_or(|ending| ending != "mcap") {
+            return Err(RecordError::Ending { path: path.into(), better: path.with_extension("mcap") });
+        }
         let dir = match path.parent() {
             Some(dir) if !dir.as_os_str().is_empty() => dir,
             _ => Path::new("."),

@@ -27,6 +27,17 @@ pub enum Error {
         /// The cause.
         source: std::io::Error,
     },
+    /// A file that this program reads, where something else was to be written.
+    #[error(
+        "{} is {holds}, which would be lost: nothing was written there. Name another file, or remove this one first",
+        path.display()
+    )]
+    WouldBeLost {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        holds: &'static str,
+    },
     /// A correction without who entered it, or what.
     #[error("who entered a correction, and what? each at most {longest} characters")]
     NotSaid {

@@ -1,6 +1,10 @@
 //! Machines and texts from the names and paths that a user gives.
 
+mod holds;
+mod text;
+
 use crate::Error;
+pub(crate) use holds::{Holds, not_lost};
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
@@ -47,26 +51,38 @@ pub fn machine_text(name: &str) -> Result<String, Error> {
 /// # Errors
 /// A file that cannot be read.
 pub fn read(path: &Path) -> Result<String, Error> {
-    let bytes = std::fs::read(path).map_err(Error::read(path))?;
-    decoded(bytes).map_err(|why| Error::read(path)(std::io::Error::new(std::io::ErrorKind::InvalidData, why)))
+    text_of(path, |_| None)
 }
 
-fn decoded(bytes: Vec<u8>) -> Result<String, String> {
-    let unit: fn([u8; 2]) -> u16 = match bytes[..] {
-        [0xff, 0xfe, ..] => u16::from_le_bytes,
-        [0xfe, 0xff, ..] => u16::from_be_bytes,
-        _ => return String::from_utf8(bytes).map_err(|error| format!("it is no text in UTF-8: {error}")),
-    };
-    let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
-    String::from_utf16(&units).map_err(|error| format!("it is no text in UTF-16: {error}"))
+/// Reads a table as [`read`]; one in the usual encoding of spreadsheets in Europe (Windows-1252, which has Latin-1 in it) is read too.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn read_table(path: &Path) -> Result<String, Error> {
+    text_of(path, text::windows_1252)
+}
+
+fn text_of(path: &Path, otherwise: fn(&[u8]) -> Option<String>) -> Result<String, Error> {
+    let bytes = std::fs::read(path).map_err(Error::read(path))?;
+    text::decoded(bytes, otherwise)
+        .map_err(|why| Error::read(path)(std::io::Error::new(std::io::ErrorKind::InvalidData, why)))
+}
+
+/// Refuses to write a picture, a PDF or the like in the place of a file that this program reads.
+///
+/// # Errors
+/// Such a file is there.
+pub fn may_be_replaced(path: &Path) -> Result<(), Error> {
+    not_lost(path, Holds::Other)
 }
 
 /// Writes a text file whole or not at all: next to it first, then under its name. Whoever could not read the file before can read
 /// neither of the two: a configuration may hold a password.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// A file that cannot be written, or one in its place that this program reads and that is of another kind.
 pub fn write_whole(path: &Path, text: &str) -> Result<(), Error> {
+    not_lost(path, Holds::of(text.as_bytes()))?;
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.tmp", std::process::id()));
     let beside: PathBuf = path.with_file_name(name);

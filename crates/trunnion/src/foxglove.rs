@@ -34,6 +34,7 @@ pub fn export(
 ) -> Result<Written, Error> {
     let not_read = |source| Error::Recording { path: recording.into(), source: Box::new(source) };
     let not_written = |source| Error::NotRecorded { path: output.into(), source: Box::new(source) };
+    files::may_be_replaced(output)?;
     let header = trunnion_record::read_header(recording).map_err(not_read)?;
     let named = || files::machine(&header.machine_name);
     let machine = header.machine().and_then(Result::ok).map_or_else(named, Ok)?;

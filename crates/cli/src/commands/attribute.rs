@@ -32,6 +32,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    output::not_an_input(&[("--html", args.html.as_deref())], [args.run.as_path()])?;
     let Attributed { findings, missing } = trunnion::attribute_run(&args.run, args.knot_s, args.smooth)?;
     let outcome = load::outcome(&missing);
     output::findings(&findings, args.html.as_deref(), args.json)?;

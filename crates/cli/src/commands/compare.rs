@@ -39,6 +39,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    output::not_an_input(&[("--html", args.html.as_deref())], args.runs.paths(&args.model))?;
     let loaded = load::runs(&args.runs)?;
     let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
     let model = args.model.model(&experiment)?;

@@ -61,6 +61,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.json && args.output.is_none() && args.judge.is_empty() {
         bail!("--json prints the answer in place of the file: name the file with -o");
     }
+    let outputs = [("-o", args.output.as_deref()), ("--self-test", args.self_test.as_deref())];
+    output::not_an_input(&outputs, args.runs.runs.paths(&args.model))?;
     let values = values(args, control)?;
     let Loaded { experiment, outcome } = load::trusted_runs(&args.runs)?;
     let fit = experiment.fit(&args.model.model(&experiment)?)?;

@@ -6,11 +6,12 @@ mod parquet;
 mod request;
 mod table;
 
-use crate::load;
 use crate::outcome::Outcome;
+use crate::{load, output};
 use anyhow::bail;
 use clap::builder::PossibleValuesParser;
 use request::{Format, Request};
+use std::path::PathBuf;
 
 /// Export recordings as a table, or for a 3D viewer
 ///
@@ -41,7 +42,10 @@ pub struct Args {
 const FORMATS: &[Format] = &[csv::FORMAT, foxglove::FORMAT, parquet::FORMAT];
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
-    for run in &args.request.runs {
+    let Request { runs, model, output, .. } = &args.request;
+    let inputs = runs.iter().chain(&model.model).map(PathBuf::as_path);
+    output::not_an_input(&[("-o", output.as_deref())], inputs)?;
+    for run in runs {
         load::no_points_file(run)?;
     }
     if args.request.magnification.is_some() && args.format != foxglove::FORMAT.name {

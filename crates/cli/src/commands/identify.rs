@@ -32,7 +32,7 @@ pub struct Args {
     #[arg(long, requires = "model")]
     keep: bool,
     /// Named method instead of the joint fit
-    #[arg(long, value_name = "NAME", conflicts_with = "model", long_help = method_help())]
+    #[arg(long, value_name = "NAME", conflicts_with = "model", long_help = method_help(), value_parser = method_name)]
     method: Option<String>,
     /// Location errors in a notation as well: absolute (lines in the machine, ISO 230-1) or relative (against the carrying axis)
     #[arg(long, value_name = "NAME", conflicts_with = "method", value_parser = notation)]
@@ -55,6 +55,10 @@ pub struct Args {
     /// Print JSON (format trunnion-identification/1, or trunnion-findings/1 with --method)
     #[arg(long)]
     json: bool,
+}
+
+fn method_name(text: &str) -> Result<String, String> {
+    method(text).map(|method| method.name.into()).map_err(|unknown| unknown.to_string())
 }
 
 fn method_help() -> String {
@@ -104,7 +108,8 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
 }
 
 fn by_method(args: &Args, name: &str) -> anyhow::Result<Outcome> {
-    method(name)?;
+    let inputs = args.runs.paths(&args.model).chain(args.against.as_deref());
+    output::not_an_input(&[("--html", args.html.as_deref())], inputs)?;
     let loaded = load::runs_for_method(&args.runs)?;
     let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
     let axis = args.axis.as_deref().map(|name| experiment.rotary_joint(name)).transpose()?;

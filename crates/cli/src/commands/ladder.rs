@@ -23,6 +23,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    output::not_an_input(&[("--html", args.html.as_deref())], [args.model.as_path()])?;
     let model = Model::load(&args.model)?;
     let ladder = model.ladder();
     if let Some(path) = &args.html {

@@ -49,6 +49,7 @@ fn dialect_names() -> Vec<&'static str> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    output::not_an_input(&[("-o", args.output.as_deref())], [args.cycle.as_path()])?;
     let rules = rules(args)?;
     let dialect = dialect(&args.dialect).context("the command line allows known dialects only")?;
     let program = nc_program(&args.cycle, dialect, &rules, args.decimals.map(usize::from))?;

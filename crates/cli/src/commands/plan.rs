@@ -58,6 +58,8 @@ fn look_at(path: &Path, json: bool) -> anyhow::Result<Outcome> {
 }
 
 fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
+    let inputs = args.runs.iter().chain(&args.model).map(PathBuf::as_path);
+    output::not_an_input(&[("-o", args.output.as_deref())], inputs)?;
     let Loaded { experiment, outcome } = load::trusted_runs(&load::TrustedArgs {
         runs: load::RunArgs::of(args.runs.clone()),
         anyway: args.anyway,

@@ -7,6 +7,7 @@ use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use std::path::PathBuf;
 use trunnion::Filing;
+use trunnion::files::may_be_replaced;
 use trunnion::report::{Issuer, Language, dcc_xml, report_html};
 use trunnion_service::print;
 
@@ -93,6 +94,10 @@ fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let outputs =
+        [("-o", args.output.as_deref()), ("--pdf", args.pdf.as_deref()), ("--dcc", args.dcc.as_deref())];
+    output::not_an_input(&outputs, args.runs.paths(&args.model))?;
+    args.pdf.as_deref().map_or(Ok(()), may_be_replaced)?;
     let loaded = load::runs(&args.runs)?;
     let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
     let filing = Filing {

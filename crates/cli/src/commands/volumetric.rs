@@ -62,6 +62,8 @@ fn datum(text: &str) -> Result<Datum, String> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    let outputs = [("--html", args.html.as_deref()), ("--csv", args.csv.as_deref())];
+    output::not_an_input(&outputs, args.runs.paths(&args.model))?;
     let loaded = load::runs(&args.runs)?;
     let (outcome, experiment) = (loaded.stated_judgement(), loaded.experiment);
     let fit = experiment.fit(&args.model.model(&experiment)?)?;

@@ -1,6 +1,6 @@
 //! Tables of many recordings as one Parquet file: machine, serial number, run and its beginning in front of every row.
 
-use crate::{Error, moment};
+use crate::{Error, files, moment};
 use parquet::basic::Compression;
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType};
 use parquet::errors::ParquetError;
@@ -100,6 +100,7 @@ impl Rows {
     /// A file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let written = |source| Error::Parquet { path: path.into(), source };
+        files::may_be_replaced(path)?;
         let file = std::fs::File::create(path).map_err(Error::write(path))?;
         self.write_to(file).map_err(written)
     }

@@ -19,9 +19,6 @@ fn run(request: &Request) -> anyhow::Result<Outcome> {
         bail!("foxglove draws the whole recording; --what {what} is for tables");
     }
     let Some(path) = &request.output else { bail!("foxglove is no text; name the file with -o FILE") };
-    if path == run {
-        bail!("{} is the recording itself; name another file with -o FILE", run.display());
-    }
     // A recording that no model fits still shows how the machine moved.
     let fitted =
         fit(request, run).inspect_err(|failure| terminal::remark(&format!("no arrows: {failure:#}")));
