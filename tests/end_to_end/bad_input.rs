@@ -111,6 +111,20 @@ fn strings(args: &[&str]) -> Vec<String> {
 }
 
 #[test]
+fn a_recording_that_is_cut_says_so_where_nothing_is_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = imported(folder.path(), |_, rows| rows.into_iter().map(str::to_owned).collect());
+    let bytes = std::fs::read(&run).unwrap();
+    std::fs::write(&run, &bytes[..20_000]).unwrap();
+    for args in [vec!["check", &run], vec!["diagnose", "--json", &run], vec!["attribute", &run]] {
+        check_refused(
+            &args,
+            &["damaged at byte", "everything after 0.0 s of the run", "copy the file again"],
+        );
+    }
+}
+
+#[test]
 fn a_mistyped_effect_gets_the_nearest_names_first() {
     let output = answer(&["demo", "--hidden", "gravty-sag:B"]);
     let error = String::from_utf8(output.stderr).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");

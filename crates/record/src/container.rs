@@ -2,20 +2,26 @@
 //!
 //! The reader of the `mcap` crate trusts lengths; this one trusts nothing: every length is held against the
 //! file and against [`LARGEST`] before anything is allocated, checksums are compared, and whatever is wrong
-//! is noted with its offset. A bad chunk is skipped; a bad length ends the walk.
+//! is noted with its offset. A bad chunk is skipped: its checksum covers all of it, so that no part can be trusted. A bad length ends
+//! the walk; of a chunk that is cut by the end of the file, what unpacks is read.
+
+mod chunk;
+mod cursor;
+mod times;
 
 use crate::damage::Damage;
+use chunk::{ChunkHead, unpack};
 use crc32fast::Hasher;
+use cursor::Cursor;
 use mcap::records::op;
 use std::io::{self, Read};
+use times::Times;
 
 /// Largest record and largest unpacked chunk, bytes.
 pub const LARGEST: u64 = 64 << 20;
 /// Unpacked bytes of one recording: 36 hours of three probes at 4 kHz with their stamps. A file that repeats itself packs a thousandfold, so
 /// that the length of the file bounds neither the time nor the memory that reading takes.
 const MOST_UNPACKED: u64 = 16 << 30;
-/// Largest zstd window, as a power of two.
-const LARGEST_WINDOW_LOG: u32 = 25;
 /// Opcode and length.
 const FRAME_BYTES: u64 = 9;
 
@@ -59,7 +65,16 @@ fn walk_within(
     file_bytes: u64,
     visit: Visit<'_>,
 ) -> io::Result<Option<Damage>> {
-    let mut walk = Walk { file, file_bytes, at: 0, to_unpack, crc: Hasher::new(), damage: None, skipped: 0 };
+    let mut walk = Walk {
+        file,
+        file_bytes,
+        at: 0,
+        to_unpack,
+        crc: Hasher::new(),
+        damage: None,
+        skipped: 0,
+        times: Times::default(),
+    };
     walk.run(visit)?;
     let skipped = walk.skipped;
     Ok(walk.damage.map(|damage| match skipped {
@@ -77,6 +92,7 @@ struct Walk<R> {
     crc: Hasher,
     damage: Option<Damage>,
     skipped: u64,
+    times: Times,
 }
 
 type Visit<'v> = &'v mut dyn FnMut(&Record<'_>) -> Result<bool, String>;
@@ -106,7 +122,13 @@ impl<R: Read> Walk<R> {
             let bytes = u64::from_le_bytes(frame[1..].try_into().expect("eight bytes"));
             if opcode == 0 || bytes > LARGEST || bytes > left - FRAME_BYTES {
                 let reason = format!("a record of kind {opcode} claims {bytes} bytes, {left} are left");
-                self.note(offset, reason, "everything from there on");
+                let mut end = 0;
+                if opcode == op::CHUNK {
+                    body.resize((left - FRAME_BYTES).min(LARGEST) as usize, 0);
+                    self.take(&mut body)?;
+                    end = self.cut_chunk(&body, visit);
+                }
+                self.note(offset, reason, &self.times.lost_after(end));
                 return Ok(());
             }
             body.resize(bytes as usize, 0);
@@ -118,12 +140,21 @@ impl<R: Read> Walk<R> {
             let data_at = offset + FRAME_BYTES;
             let went_on = match opcode {
                 op::CHUNK => self.chunk(offset, &body, visit),
-                _ => visit_record(opcode, &body, data_at, visit),
+                _ => visit_record(opcode, &body, data_at, &mut self.times, visit),
             };
             match went_on {
                 Ok(true) => {}
                 Ok(false) => return Ok(()),
-                Err(reason) => self.note(offset, reason, "this record"),
+                Err(reason) => {
+                    let span = ChunkHead::parse(&mut Cursor(&body)).ok().filter(|_| opcode == op::CHUNK);
+                    let [from, to] =
+                        span.as_ref().map_or([0; 2], |head| head.span).map(|time| self.times.of_run_s(time));
+                    let lost = match span {
+                        Some(_) => format!("{from:.1} to {to:.1} s of the run"),
+                        None => "this record".into(),
+                    };
+                    self.note(offset, reason, &lost);
+                }
             }
         }
     }
@@ -131,11 +162,7 @@ impl<R: Read> Walk<R> {
     /// Unpacks a chunk and visits its records.
     fn chunk(&mut self, offset: u64, body: &[u8], visit: Visit<'_>) -> Result<bool, String> {
         let mut cursor = Cursor(body);
-        cursor.bytes(16)?;
-        let unpacked_bytes = cursor.u64()?;
-        let crc = cursor.u32()?;
-        let compression = cursor.string()?;
-        let packed_bytes = cursor.u64()?;
+        let ChunkHead { unpacked_bytes, crc, compression, packed_bytes, .. } = ChunkHead::parse(&mut cursor)?;
         let packed = cursor.bytes(usize::try_from(packed_bytes).unwrap_or(usize::MAX))?;
         if unpacked_bytes > LARGEST {
             return Err(format!("a chunk claims {unpacked_bytes} bytes, {LARGEST} are allowed"));
@@ -146,13 +173,8 @@ impl<R: Read> Walk<R> {
             return Ok(false);
         };
         self.to_unpack = left;
-        let unpacked = match compression {
-            "" => packed.to_vec(),
-            "zstd" => {
-                unpack(packed, unpacked_bytes).map_err(|error| format!("a chunk does not unpack: {error}"))?
-            }
-            other => return Err(format!("a chunk is packed with {other:?}; zstd is known")),
-        };
+        let mut unpacked = Vec::new();
+        unpack(compression, packed, unpacked_bytes, &mut unpacked)?;
         if unpacked.len() as u64 != unpacked_bytes || (crc != 0 && crc32fast::hash(&unpacked) != crc) {
             return Err("the checksum of a chunk differs".into());
         }
@@ -162,13 +184,32 @@ impl<R: Read> Walk<R> {
             let bytes = rest.u64()?;
             let at = (unpacked.len() - rest.0.len()) as u64;
             let record = rest.bytes(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-            match visit_record(opcode, record, at, visit) {
+            match visit_record(opcode, record, at, &mut self.times, visit) {
                 Ok(true) => {}
                 Ok(false) => return Ok(false),
                 Err(reason) => self.note(offset, reason, "a record of this chunk"),
             }
         }
         Ok(true)
+    }
+
+    /// Visits what is whole of a chunk that is cut, and gives the time of its last message, 0 where that is not known. What is there is
+    /// what was written, so that it is right although no checksum can be compared. zstd unpacks blocks of 128 KiB [RFC 8878, 3.1.1.2].
+    fn cut_chunk(&mut self, body: &[u8], visit: Visit<'_>) -> u64 {
+        let mut cursor = Cursor(body);
+        let Ok(head) = ChunkHead::parse(&mut cursor) else { return 0 };
+        let mut unpacked = Vec::new();
+        // It ends in the middle, which is known already.
+        unpack(head.compression, cursor.0, head.unpacked_bytes.min(LARGEST), &mut unpacked).ok();
+        let mut rest = Cursor(&unpacked);
+        while let (Ok(opcode), Ok(bytes)) = (rest.bytes(1), rest.u64()) {
+            let at = (unpacked.len() - rest.0.len()) as u64;
+            let Ok(record) = rest.bytes(usize::try_from(bytes).unwrap_or(usize::MAX)) else { break };
+            if visit_record(opcode[0], record, at, &mut self.times, visit) != Ok(true) {
+                break;
+            }
+        }
+        head.span[1]
     }
 
     /// Compares the checksum of all that came before, and looks for the end of the file.
@@ -200,14 +241,6 @@ impl<R: Read> Walk<R> {
     }
 }
 
-fn unpack(packed: &[u8], bytes: u64) -> io::Result<Vec<u8>> {
-    let mut decoder = zstd::stream::read::Decoder::new(packed)?;
-    decoder.window_log_max(LARGEST_WINDOW_LOG)?;
-    let mut unpacked = Vec::new();
-    decoder.take(bytes + 1).read_to_end(&mut unpacked)?;
-    Ok(unpacked)
-}
-
 /// Everything between the end of the data and the checksum in the footer, against that checksum.
 fn summary_is_whole(tail: &[u8]) -> bool {
     let Some(records) = tail.strip_suffix(mcap::MAGIC) else { return false };
@@ -216,7 +249,13 @@ fn summary_is_whole(tail: &[u8]) -> bool {
     crc == 0 || crc == crc32fast::hash(covered)
 }
 
-fn visit_record(opcode: u8, body: &[u8], at: u64, visit: Visit<'_>) -> Result<bool, String> {
+fn visit_record(
+    opcode: u8,
+    body: &[u8],
+    at: u64,
+    times: &mut Times,
+    visit: Visit<'_>,
+) -> Result<bool, String> {
     let mut cursor = Cursor(body);
     let record = match opcode {
         op::SCHEMA => {
@@ -261,39 +300,10 @@ fn visit_record(opcode: u8, body: &[u8], at: u64, visit: Visit<'_>) -> Result<bo
         }
         _ => return Ok(true),
     };
+    if let Record::Message(message) = &record {
+        times.take(message.log_time);
+    }
     visit(&record)
-}
-
-/// Reads little-endian fields and refuses to read past the end.
-struct Cursor<'a>(&'a [u8]);
-
-impl<'a> Cursor<'a> {
-    fn bytes(&mut self, count: usize) -> Result<&'a [u8], String> {
-        let left = self.0.len();
-        let (taken, rest) = self
-            .0
-            .split_at_checked(count)
-            .ok_or_else(|| format!("a field claims {count} bytes, {left} are left"))?;
-        self.0 = rest;
-        Ok(taken)
-    }
-
-    fn u16(&mut self) -> Result<u16, String> {
-        Ok(u16::from_le_bytes(self.bytes(2)?.try_into().expect("two bytes")))
-    }
-
-    fn u32(&mut self) -> Result<u32, String> {
-        Ok(u32::from_le_bytes(self.bytes(4)?.try_into().expect("four bytes")))
-    }
-
-    fn u64(&mut self) -> Result<u64, String> {
-        Ok(u64::from_le_bytes(self.bytes(8)?.try_into().expect("eight bytes")))
-    }
-
-    fn string(&mut self) -> Result<&'a str, String> {
-        let bytes = self.u32()? as usize;
-        std::str::from_utf8(self.bytes(bytes)?).map_err(|_| "a text is not UTF-8".into())
-    }
 }
 
 #[cfg(test)]

@@ -97,6 +97,16 @@ pub enum Error {
         /// Why.
         why: String,
     },
+    /// Damaged files that hold nothing more to judge.
+    #[error(
+        "{losses}. Nothing usable is left of {runs}: copy the file again from where it was recorded, or measure again"
+    )]
+    NothingLeft {
+        /// Names of the runs.
+        runs: String,
+        /// What is missing, with the files.
+        losses: String,
+    },
     /// Runs that cannot be fitted together.
     #[error(transparent)]
     Experiment(Box<ExperimentError>),

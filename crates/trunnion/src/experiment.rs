@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use trunnion_core::Point;
 use trunnion_cycles::Run;
+use trunnion_engine::ExperimentError;
 use trunnion_engine::plausibility::{Implausible, implausible};
 use trunnion_machine::{Machine, NamePlate};
 use trunnion_results as results;
@@ -77,6 +78,19 @@ fn open_limited(runs: &[Vec<PathBuf>], limits: Limits) -> Result<Experiment, Err
     Experiment::of_runs(read)
 }
 
+/// Runs without a usable point, with what is missing from their files first: it may be why.
+fn nothing_left(none: ExperimentError, files: &[OfFile]) -> Error {
+    let missing = files.iter().map(OfFile::missing);
+    let losses: Vec<String> =
+        missing.flat_map(|missing| missing.damage.into_iter().chain(missing.gaps)).collect();
+    match none {
+        ExperimentError::NoPoints { runs } if !losses.is_empty() => {
+            Error::NothingLeft { runs, losses: losses.join("; ") }
+        }
+        other => other.into(),
+    }
+}
+
 impl Experiment {
     /// Recordings as read, each with its path.
     ///
@@ -93,7 +107,9 @@ impl Experiment {
         let (mut complete, not_whole) = completeness::complete(&runs, &planned);
         complete.samples = samples;
         complete.excluded.extend(excluded);
-        let points = trunnion_engine::Experiment::new(&runs)?.of_means(&readings);
+        let points = trunnion_engine::Experiment::new(&runs)
+            .map_err(|none| nothing_left(none, &files))?
+            .of_means(&readings);
         let implausible = OnceLock::new();
         let opened = Opened { runs, plate, points, files, implausible, complete, not_whole, doubts };
         Ok(Self { opened: Arc::new(opened) })

@@ -187,12 +187,20 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
         samples: &recording.axis_samples,
         cycle: cycle.as_ref(),
         knot_s,
+    });
+    let attribution = attribution.map_err(|none| match &recording.damage {
+        Some(damage) => Error::NothingLeft {
+            runs: recording.run.name.clone(),
+            losses: format!("{}: {damage}", path.display()),
+        },
+        None => none.into(),
     })?;
     // Asked as every command asks it, of points that are formed from the samples again.
     let plausibility = match open(path) {
         Ok(experiment) => experiment.plausibility(),
         // Samples of the axes alone can be attributed too: without points there is nothing that could be doubted.
         Err(Error::Experiment(none)) if matches!(*none, ExperimentError::NoPoints { .. }) => Vec::new(),
+        Err(Error::NothingLeft { .. }) => Vec::new(),
         Err(failed) => return Err(failed),
     };
     Ok(Attributed {

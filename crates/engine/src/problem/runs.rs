@@ -24,7 +24,9 @@ pub enum ExperimentError {
     #[error("there is no run to identify from; name at least one recording")]
     NoRun,
     /// No usable point.
-    #[error("the runs {runs} hold no usable point; look at their quality with `trunnion compare`")]
+    #[error(
+        "{runs}: no usable point; `trunnion export csv RUN --what every-point` lists what each of them lacks"
+    )]
     NoPoints {
         /// Names of the runs.
         runs: String,

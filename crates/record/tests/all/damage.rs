@@ -64,6 +64,44 @@ fn a_truncated_file_is_read_as_far_as_it_goes() {
     }
 }
 
+/// One chunk with all points, five minutes long, whose end is missing.
+#[test]
+fn what_is_whole_of_a_cut_chunk_is_read_and_the_rest_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let (finished, _) = recordings(folder.path());
+    let bytes = std::fs::read(&finished).unwrap();
+    let whole = read_run(&finished, &shipped::machine).unwrap();
+    let chunks: Vec<(usize, usize)> = chunks(&bytes);
+    let &(at, length) = chunks.iter().max_by_key(|(_, length)| length).unwrap();
+    let cut = folder.path().join("cut.mcap");
+    let read = |keep: usize| {
+        std::fs::write(&cut, &bytes[..keep]).unwrap();
+        read_run(&cut, &shipped::machine).unwrap()
+    };
+    // All but the last bytes: blocks of 128 KiB are whole, some of several.
+    let read_most = read(at + length - 100);
+    let left = read_most.run.points.len() + read_most.probe_samples.len();
+    let all = whole.run.points.len() + whole.probe_samples.len();
+    assert!(left > all / 4 && left < all, "{left} of {all}");
+    assert!(read_most.run.points.iter().all(|point| whole.run.points.contains(point)));
+    assert!(read_most.probe_samples.iter().all(|sample| sample.value_mm == sample.raw as f64 * 1e-3));
+    let lost = read(at + 60).damage.unwrap().lost;
+    assert!(lost.starts_with("everything after 0.0 s of the run, which went on to "), "{lost}");
+}
+
+/// Begin and length of every chunk.
+fn chunks(bytes: &[u8]) -> Vec<(usize, usize)> {
+    let (mut at, mut found) = (8, Vec::new());
+    while at + 9 < bytes.len() - 8 {
+        let length = 9 + u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+        if bytes[at] == 6 {
+            found.push((at, length));
+        }
+        at += length;
+    }
+    found
+}
+
 #[test]
 fn any_flipped_byte_of_a_finished_file_is_reported_and_never_changes_a_value() {
     let folder = tempfile::tempdir().unwrap();
