@@ -18,6 +18,7 @@ mod positions;
 mod readings;
 mod shown;
 mod sizes;
+mod temperatures;
 mod ways;
 
 pub use found::Implausible;
@@ -36,5 +37,6 @@ pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let order = order::implausible(runs, positions.is_empty());
     let belong = belong && readings.is_empty() && order.is_empty();
     let ways = if belong { runs.iter().flat_map(ways::not_filled_in).collect() } else { Vec::new() };
-    [positions, channels, sizes, readings, copies::implausible(runs), order, ways].concat()
+    let temperatures = temperatures::implausible(runs);
+    [positions, channels, sizes, temperatures, readings, copies::implausible(runs), order, ways].concat()
 }

@@ -26,10 +26,6 @@ const LOOSE_TIMES: f64 = 10.0;
 const LOOSE_UM: f64 = 2.0;
 /// A share of readings that stands for all: single wrong ones are among them.
 const MOSTLY: f64 = 0.95;
-/// Air in which nobody works, °C. 59 °F is a cold shop.
-const TOO_HOT_DEGC: f64 = 55.0;
-/// What channels of the air are called.
-const AIR: [&str; 3] = ["ambient", "air", "room"];
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let of_readings = |run: &Run| {
@@ -39,27 +35,7 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
         too_small(run).or_else(|| bar_zero(run)).or_else(|| too_large(run)).or_else(repeats)
     };
     let enough = runs.iter().filter(|run| run.good_points().count() >= FEWEST_POINTS);
-    enough.flat_map(|run| of_readings(run).into_iter().chain(too_hot(run))).collect()
-}
-
-/// Air as hot as its number in Fahrenheit.
-fn too_hot(run: &Run) -> Option<Implausible> {
-    let of_air = |name: &String| {
-        name.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|word| AIR.contains(&word))
-    };
-    run.channels.iter().enumerate().filter(|(_, name)| of_air(name)).find_map(|(channel, name)| {
-        let read = run.good_points().filter_map(|point| point.state.temperature_degc.get(channel));
-        let coolest_degc = read.copied().fold(f64::INFINITY, f64::min);
-        (coolest_degc > TOO_HOT_DEGC && coolest_degc.is_finite()).then(|| {
-            plain(
-                format!("{}: the temperature {name} is never below {coolest_degc:.1} °C, which is too hot for air.", run.name),
-                &format!(
-                    "In °F it would be {:.1} °C, which is plausible. Check its unit: what follows a temperature would be 1.8 times too small.",
-                    (coolest_degc - 32.0) / 1.8
-                ),
-            )
-        })
-    })
+    enough.filter_map(of_readings).collect()
 }
 
 /// True where contact probes read.
