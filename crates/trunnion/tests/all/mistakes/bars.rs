@@ -52,7 +52,7 @@ const BAR_XY: &str = include_str!("../../../../../config/cycles/circle-xy.toml")
 /// What is spoilt of which cycle, and what must be said of it.
 pub type BarMistake = (&'static str, &'static str, fn(&mut Files), &'static [&'static str]);
 
-pub const BARS: [BarMistake; 11] = [
+pub const BARS: [BarMistake; 12] = [
     ("constant", BAR_C, |f| f.change("dr_um", |_| 5.0), &["the probe dr reads the same value"]),
     (
         "nanometres",
@@ -101,6 +101,12 @@ pub const BARS: [BarMistake; 11] = [
         BAR_XY,
         |f| f.replace("bar_length_mm = 150", "bar_length_mm = 120"),
         &["bar_length_mm, 150.0, not 120.0"],
+    ),
+    (
+        "length, as long as the ball is high",
+        BAR_XY,
+        |f| f.replace("bar_length_mm = 150", "bar_length_mm = 100"),
+        &["bar_length_mm, 150.0, not 100.0"],
     ),
     (
         "ball",
