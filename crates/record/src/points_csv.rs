@@ -7,6 +7,7 @@ mod header;
 mod notes;
 mod renamed;
 mod row;
+mod units;
 
 use crate::column::Column;
 use crate::motion::{Motion, Taken};
@@ -122,6 +123,11 @@ fn unknown_machine(file: &str, text: &str, name: &str) -> Problem {
     }
 }
 
+/// A column of names, which may hold a point.
+fn is_name(column: &str) -> bool {
+    ["setup", "target"].iter().any(|name| column.eq_ignore_ascii_case(name))
+}
+
 /// Reads the points; gives the names of the temperature channels.
 fn read(
     file: &str,
@@ -132,13 +138,22 @@ fn read(
 ) -> Result<Vec<String>, Vec<Problem>> {
     let mut notes = Notes::of(file);
     let mut rows = rows(text);
-    let Some(Row { line: header_line, cells: header }) = rows.next() else {
+    let Some(Row { line: header_line, cells: mut header, .. }) = rows.next() else {
         notes.add(0, 0, "the file is empty", "a header row and a row for each point", "");
         return Err(notes.finish());
     };
+    // A separator at the end of each line begins a column without a name.
+    while header.last().is_some_and(|(_, cell)| cell.is_empty()) {
+        header.pop();
+    }
     let cells_of_row = header.len();
+    let names: Vec<String> = header.iter().map(|(_, cell)| cell.clone()).collect();
     let (renaming, header) = Renaming::of(&mut notes, header_line, header, renamed, known.setups);
     let columns = read_header(&mut notes, header_line, &header, known);
+    if columns.iter().all(Option::is_none) && !notes.is_empty() {
+        // Rows under a row that is no header say nothing.
+        return Err(notes.finish());
+    }
     let channels: Vec<String> = columns
         .iter()
         .flatten()
@@ -150,11 +165,33 @@ fn read(
     let head = known.run.map(|run| Run { channels: channels.clone(), ..run.clone() });
     let mut motion = Motion::new(wanted(&columns, known));
     let (mut points, mut last_s) = (0_u64, f64::NEG_INFINITY);
-    for Row { line, cells } in rows {
+    let mut is_first = true;
+    for Row { line, mut cells, pointed } in rows {
+        while cells.len() > cells_of_row && cells.last().is_some_and(|(_, cell)| cell.is_empty()) {
+            cells.pop();
+        }
+        if std::mem::take(&mut is_first) && units::are(&cells) {
+            units::check(&mut notes, line, &names, &cells);
+            continue;
+        }
         if cells.len() != cells_of_row {
             let found = format!("{} cells", cells.len());
-            let advice = "A decimal mark must be a point; cells are separated by commas.";
+            let advice = match cells.len() > cells_of_row {
+                true => {
+                    "Each cell needs a name in the header. Where commas separate cells, a decimal mark must be a point."
+                }
+                false => "The row ends too early.",
+            };
             notes.add(line, 1, &found, &format!("{cells_of_row}, as in the header"), advice);
+            continue;
+        }
+        if let Some(&place) =
+            pointed.iter().find(|place| renaming.reads(**place) && !is_name(&names[**place]))
+        {
+            let (at, cell) = &cells[place];
+            let advice = "The point may mark thousands: write 1021 or, with the decimal mark of the other rows, 1,021.";
+            let found = format!("{} = \"{cell}\" in a table with decimal commas", names[place]);
+            notes.add(line, *at, &found, "a number without a point", advice);
             continue;
         }
         let cells = renaming.row(cells);

@@ -1,5 +1,6 @@
 //! Rows of separated text, with where each cell stands. Comma-separated with decimal points, or as spreadsheets in much of
-//! Europe write it: semicolons (or tabs) with decimal commas. Lines that begin with `#` are remarks.
+//! Europe write it: semicolons (or tabs) with decimal commas. Lines that begin with `#` are remarks; rows without any text, which
+//! spreadsheets leave, are none. A first line `sep=;` names the separator, for spreadsheets.
 
 use csv_core::{ReadFieldResult, Reader, ReaderBuilder};
 
@@ -7,21 +8,46 @@ use csv_core::{ReadFieldResult, Reader, ReaderBuilder};
 pub type Cell = (usize, String);
 
 /// A row that is not empty.
+#[derive(Default)]
 pub struct Row {
     /// Line of the file, from 1.
     pub line: usize,
     /// Its cells.
     pub cells: Vec<Cell>,
+    /// Places of cells that are numbers with a point, in a table with decimal commas: the point may mark thousands.
+    pub pointed: Vec<usize>,
 }
 
 /// The rows of a text, one after the other; a byte-order mark is passed over, and so are remarks and empty rows.
 pub fn rows(text: &str) -> Rows<'_> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let separator = separator(text);
+    let named = named_separator(text);
+    let (begins, line) = named.map_or((0, 1), |(_, length)| (length, 2));
+    let separator = named.map_or_else(|| separator(text), |(separator, _)| separator);
     let reader = ReaderBuilder::new().delimiter(separator).comment(Some(REMARK as u8)).build();
     let decimal_comma = separator != b',';
+    let has_commas = decimal_comma && has_decimal_commas(&text[begins..]);
     let cell = vec![0; FIRST_CELL];
-    Rows { text, reader, decimal_comma, cell, begins: 0, at: 0, line: 1, ended: false }
+    Rows { text, reader, decimal_comma, has_commas, cell, begins, at: begins, line, ended: false }
+}
+
+/// The separator that a first line `sep=;` names, and the length of that line.
+fn named_separator(text: &str) -> Option<(u8, usize)> {
+    let line = text.split_inclusive('\n').next()?;
+    let named = line.trim().trim_matches('"').to_ascii_lowercase();
+    match named.strip_prefix("sep=")?.as_bytes() {
+        [separator] => Some((*separator, line.len())),
+        // Blanks at the end of a line are no text: a tab.
+        [] if line.trim_end_matches(['\r', '\n', '"']).ends_with('\t') => Some((b'\t', line.len())),
+        _ => None,
+    }
+}
+
+/// Whether a comma stands between two digits somewhere, where cells are separated by something else.
+fn has_decimal_commas(text: &str) -> bool {
+    text.as_bytes()
+        .windows(3)
+        .any(|three| three[0].is_ascii_digit() && three[1] == b',' && three[2].is_ascii_digit())
 }
 
 /// Begins a line that is no row.
@@ -42,6 +68,8 @@ pub struct Rows<'a> {
     text: &'a str,
     reader: Reader,
     decimal_comma: bool,
+    /// It has decimal commas, so that a point in a number is no decimal mark.
+    has_commas: bool,
     cell: Vec<u8>,
     /// Where the next cell begins, and how far the text is read.
     begins: usize,
@@ -56,7 +84,7 @@ impl Iterator for Rows<'_> {
     fn next(&mut self) -> Option<Row> {
         loop {
             let row = self.row()?;
-            if row.cells.len() > 1 || row.cells.iter().any(|(_, cell)| !cell.is_empty()) {
+            if row.cells.iter().any(|(_, cell)| !cell.is_empty()) {
                 return Some(row);
             }
         }
@@ -65,7 +93,7 @@ impl Iterator for Rows<'_> {
 
 impl Rows<'_> {
     fn row(&mut self) -> Option<Row> {
-        let (mut row, mut length, mut column) = (Row { line: self.line, cells: Vec::new() }, 0, 1);
+        let (mut row, mut length, mut column) = (Row { line: self.line, ..Row::default() }, 0, 1);
         while !self.ended {
             let (result, read, written) =
                 self.reader.read_field(&self.text.as_bytes()[self.at..], &mut self.cell[length..]);
@@ -90,6 +118,9 @@ impl Rows<'_> {
                 row.line = self.line;
             }
             let text = bare(&String::from_utf8_lossy(&self.cell[..length]));
+            if self.has_commas && text.contains('.') && text.parse::<f64>().is_ok() {
+                row.pointed.push(row.cells.len());
+            }
             row.cells
                 .push((column + leading(cell), if self.decimal_comma { with_point(text) } else { text }));
             self.line += line_ends(cell);
@@ -139,6 +170,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_point_between_decimal_commas_is_no_decimal_mark() {
+        let check = |text: &str, expected: &[usize]| {
+            assert_eq!(rows(text).last().unwrap().pointed, expected, "{text:?}");
+        };
+        check("a;b\n1,5;2\n1.021;2,5", &[0]);
+        check("a;b\n1.5;2\n1.021;2.5", &[]);
+        check("a,b\n1.5,2\n1.021,2.5", &[]);
+        check("a;b\n1,5;2\n12.03.2024;v1.5", &[]);
+    }
+
+    #[test]
     fn every_cell_says_where_it_stands() {
         let check = |text: &str, expected: &[(usize, &[(usize, &str)])]| {
             let found: Vec<Row> = rows(text).collect();
@@ -156,6 +198,7 @@ mod tests {
         check("a,b", &[(1, &[(1, "a"), (3, "b")])]);
         check("# by hand, twice\na,b\n#\n1,2", &[(2, &[(1, "a"), (3, "b")]), (4, &[(1, "1"), (3, "2")])]);
         check("a;b\r\n1,5;x,y\r\n", &[(1, &[(1, "a"), (3, "b")]), (2, &[(1, "1.5"), (5, "x,y")])]);
+        check("sep=;\r\na;b\r\n1,5;2\r\n;\r\n", &[(2, &[(1, "a"), (3, "b")]), (3, &[(1, "1.5"), (5, "2")])]);
         check("a\tb\n-1,5\t\"2,25\"", &[(1, &[(1, "a"), (3, "b")]), (2, &[(1, "-1.5"), (6, "2.25")])]);
     }
 }

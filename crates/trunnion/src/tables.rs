@@ -23,7 +23,7 @@ use trunnion_results as results;
 /// # Errors
 /// Every problem of both files at once; a recording that cannot be written.
 pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Result<(Run, u64), Error> {
-    let (setup_text, points_text) = (files::read(setup)?, files::read(points)?);
+    let (setup_text, points_text) = (files::read(setup)?, files::read_table(points)?);
     let (points_file, setup_file) = (points.display().to_string(), setup.display().to_string());
     let name = output.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy());
     let not_written = |source| Error::NotRecorded { path: output.into(), source: Box::new(source) };

@@ -62,11 +62,24 @@ pub(super) fn read_header(
     }
     let names = allowed.iter().map(Column::name).collect::<Vec<_>>().join(", ") + ", NAME_degc";
 
-    // Spreadsheets like capitals.
+    // Spreadsheets like capitals, and people write µ: the sign of the unit, or the Greek letter.
     let parse = |cell: &String| {
-        Column::parse(cell, &allowed).or_else(|| Column::parse(&cell.to_ascii_lowercase(), &allowed))
+        let plain = || cell.to_ascii_lowercase().replace(['µ', 'μ'], "u");
+        Column::parse(cell, &allowed).or_else(|| Column::parse(&plain(), &allowed))
     };
     let there: Vec<Column> = header.iter().filter_map(|(_, cell)| parse(cell)).collect();
+    if there.is_empty() && machine.is_some() && setups.is_some() {
+        let first = header.first().map_or("", |(_, cell)| cell);
+        let advice = "A title in front of the header begins with #. Columns of another program are named in the setup file, [columns].";
+        notes.add(
+            line,
+            1,
+            &format!("this row is not the header: it begins with \"{first}\""),
+            &names,
+            advice,
+        );
+        return vec![None; header.len()];
+    }
     let absent = |column: &Column| !there.contains(column);
     let mut columns: Vec<Option<Column>> = Vec::new();
     for &(at, ref cell) in header {

@@ -54,6 +54,18 @@ impl Renaming {
         (Self::To(sources), renamed)
     }
 
+    /// Whether the points take anything from this place of a row.
+    pub fn reads(&self, place: usize) -> bool {
+        let from = |source: &Source| match source {
+            Source::Setup(_) => false,
+            Source::Sum(parts) => parts.iter().any(|(from, _)| *from == place),
+        };
+        match self {
+            Self::None => true,
+            Self::To(sources) => sources.iter().any(from),
+        }
+    }
+
     /// The cells of a row as a points file has them.
     pub fn row(&self, cells: Vec<Cell>) -> Vec<Cell> {
         match self {

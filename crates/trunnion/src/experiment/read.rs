@@ -67,7 +67,7 @@ pub fn read_points(points: &Path, setup: &Path) -> Result<Run, Error> {
     // `points.csv` is called after its folder.
     let folder = points.parent().and_then(Path::file_name).map(|name| name.to_string_lossy());
     let name = folder.filter(|_| stem == "points").unwrap_or(stem);
-    let (setup_text, points_text) = (files::read(setup)?, files::read(points)?);
+    let (setup_text, points_text) = (files::read(setup)?, files::read_table(points)?);
     Ok(trunnion_record::points_csv::import_files(
         &name,
         (&points.display().to_string(), &points_text),

@@ -206,7 +206,7 @@ enum Becomes {
     Refused(&'static [&'static str]),
 }
 
-const FILES: [FileMistake; 15] = [
+const FILES: [FileMistake; 24] = [
     (
         "semicolons, decimal commas, CRLF",
         |f| f.text().replace(',', ";").replace('.', ",").replace('\n', "\r\n").into(),
@@ -227,6 +227,64 @@ const FILES: [FileMistake; 15] = [
             f.text().into()
         },
         Becomes::Read,
+    ),
+    (
+        "µ in the header, in Windows-1252",
+        |f| {
+            let text = f.text().replace("_um", "_µm");
+            text.chars().map(|letter| u8::try_from(u32::from(letter)).unwrap()).collect()
+        },
+        Becomes::Read,
+    ),
+    (
+        "sep=; in front, and a row of separators at the end",
+        |f| format!("sep=;\r\n{};;;;;;;;;;;;\n", f.text().replace(',', ";")).into(),
+        Becomes::Read,
+    ),
+    (
+        "a row of units under the header",
+        |f| f.text().replacen('\n', "\n,[s],[mm],mm,mm,°,deg,,,µm,um,um,°C\n", 1).into(),
+        Becomes::Read,
+    ),
+    (
+        "a comma at the end of every row",
+        |f| {
+            f.rows.iter_mut().for_each(|row| row.push(String::new()));
+            f.text().into()
+        },
+        Becomes::Read,
+    ),
+    (
+        "a row of other units under the header",
+        |f| f.text().replacen('\n', "\n,s,m,m,m,deg,deg,,,um,um,um,°C\n", 1).into(),
+        Becomes::Refused(&["points.csv:2:4: the unit \"m\" under x_mm", "unit of the name"]),
+    ),
+    (
+        "a point of thousands between decimal commas",
+        |f| {
+            f.rows[4][9] = "1.021".into();
+            let rows = f.rows.iter().enumerate().map(|(k, row)| {
+                let row = row.join(";");
+                if k == 4 { row } else { row.replace('.', ",") }
+            });
+            format!("{}\n{}\n", f.header.join(";"), rows.collect::<Vec<_>>().join("\n")).into()
+        },
+        Becomes::Refused(&["points.csv:6", "in a table with decimal commas", "may mark thousands"]),
+    ),
+    (
+        "another program's header",
+        |f| format!("Aufspannung;Zeit\n{}", f.text()).into(),
+        Becomes::Refused(&["points.csv:1:1: this row is not the header", "[columns]"]),
+    ),
+    (
+        "a workbook under the name of a table",
+        |_| b"PK\x03\x04\x14\x00".to_vec(),
+        Becomes::Refused(&["a workbook (.xlsx", "save its sheet as CSV"]),
+    ),
+    (
+        "a packed table",
+        |_| b"\x1f\x8b\x08\x00".to_vec(),
+        Becomes::Refused(&["packed with gzip", "unpack it first"]),
     ),
     (
         "decimal commas between commas",
