@@ -6,6 +6,7 @@
 
 mod channels;
 mod claim;
+mod clock;
 mod copies;
 mod exchanged;
 mod fitted;
@@ -21,6 +22,7 @@ mod sizes;
 mod temperatures;
 mod ways;
 
+pub use clock::{ClockDoubt, clock_doubt};
 pub use found::Implausible;
 pub use readings::FEWEST_POINTS;
 

@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_core::number::signed;
 use trunnion_engine::fit::doubts as engine;
+use trunnion_engine::plausibility::ClockDoubt;
 
 /// Numbers of a fit to doubt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -34,6 +35,8 @@ pub enum DoubtReason {
     OneDirection,
     /// Readings of one pose scatter more than those of a machining centre in order.
     Scatter,
+    /// Every row has one time, or the clock was set.
+    Clock,
     /// Many single readings lie far from their neighbours and were excluded.
     LoneReadings,
 }
@@ -48,6 +51,24 @@ impl Doubt {
             100.0 * lone as f64 / all as f64
         );
         Self { effect: None, names: Vec::new(), reason: DoubtReason::LoneReadings, words }
+    }
+}
+
+impl Doubt {
+    /// About the times of a run.
+    pub fn clock(run: &str, doubt: &ClockDoubt) -> Self {
+        let words = match doubt {
+            ClockDoubt::OneTime(time_s) => format!(
+                "every row of run {run} has the time {time_s} s, so that nothing is known of the course in time: effects that depend on time \
+                 are out of reach. Give each row its own time, or leave time_s out."
+            ),
+            ClockDoubt::SetForward { row, by_s, usual_s } => format!(
+                "in run {run} the time goes on by {by_s:.0} s from row {} to row {row}, by {usual_s:.1} s otherwise. Where there was no pause, the \
+                 clock was set, and every drift is bent there: put the times on one clock.",
+                row - 1
+            ),
+        };
+        Self { effect: None, names: Vec::new(), reason: DoubtReason::Clock, words }
     }
 }
 

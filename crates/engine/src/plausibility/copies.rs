@@ -1,9 +1,9 @@
 //! Is anything there twice?
 
 use super::found::{Implausible, plain};
-use super::shown::{Shown, would_differ};
+use super::shown::{Shown, same_by_chance, would_differ};
 use trunnion_core::Point;
-use trunnion_cycles::Run;
+use trunnion_cycles::{Run, RunKind};
 
 /// So many rows are needed before equal halves, or setups, are copies and no chance.
 const FEWEST: usize = 8;
@@ -11,8 +11,13 @@ const FEWEST: usize = 8;
 /// and all where it hides the noise.
 const ALIKE_SHARE: f64 = 0.9;
 
+/// More rows with the readings of the row before than by chance: four standard deviations of a count [Poisson], one in 30 000.
+const SURE: f64 = 4.0;
+/// Rows that are named.
+const ROWS_SHOWN: usize = 4;
+
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
-    let of_run = |run: &Run| copies(run).into_iter().chain(setups(run)).collect::<Vec<_>>();
+    let of_run = |run: &Run| copies(run).into_iter().chain(setups(run)).chain(held(run)).collect::<Vec<_>>();
     same_run(runs).into_iter().chain(runs.iter().flat_map(of_run)).collect()
 }
 
@@ -69,6 +74,54 @@ fn copies(run: &Run) -> Option<Implausible> {
             "Rows were pasted twice, so their repeats prove nothing. Remove the duplicate rows.",
         )
     })
+}
+
+/// Readings that stay the same, in every channel and digit, from one pose to the next, more often than a display does it.
+///
+/// Two readings of noise σ fall on one step of a display with the chance step/(2σ√π), the density of their difference at zero
+/// [normal distribution], or more seldom where the machine moves between them; k channels do it with the k-th power of it.
+fn held(run: &Run) -> Option<Implausible> {
+    if run.kind != RunKind::Static || run.points.iter().any(|point| point.samples > 1) {
+        return None;
+    }
+    (0..run.setups.len()).find_map(|setup| {
+        let channels = run.setups[setup].instrument.components().len();
+        let is_of_setup =
+            |pair: &[Point]| pair.iter().all(|point| point.state.setup == setup && point.is_good());
+        let moved = (2..)
+            .zip(run.points.windows(2))
+            .filter(|(_, pair)| is_of_setup(pair) && pair[0].state.position != pair[1].state.position);
+        let (mut count, mut rows) = (0.0, Vec::new());
+        for (row, pair) in moved {
+            count += 1.0;
+            if pair[0].reading_mm[..channels] == pair[1].reading_mm[..channels] {
+                rows.push(row);
+            }
+        }
+        // One channel rests by itself where it turns round.
+        if channels < 2 || rows.len() < FEWEST {
+            return None;
+        }
+        let expected = count * same_by_chance(run, setup)?.powi(channels as i32);
+        (rows.len() as f64 > expected + SURE * expected.sqrt())
+            .then(|| held_in(run, setup, &rows, count as usize))
+    })
+}
+
+fn held_in(run: &Run, setup: usize, rows: &[usize], of: usize) -> Implausible {
+    let shown: Vec<String> = rows.iter().take(ROWS_SHOWN).map(usize::to_string).collect();
+    let more = if rows.len() > ROWS_SHOWN { ", …" } else { "" };
+    plain(
+        format!(
+            "{}: in {} of {of} rows of setup {} all readings are those of the row before, digit by digit, although the axes had moved (rows {}{more}).",
+            run.name,
+            rows.len(),
+            run.setups[setup].name,
+            shown.join(", ")
+        ),
+        "The readings were not new: they were taken before the probes had sent, or a program held its last values. Measure again, or \
+         remove these rows.",
+    )
 }
 
 /// Two setups whose readings are the same in every digit, row by row.

@@ -1,5 +1,6 @@
 //! Times and directions: does the order of the points make sense?
 
+use super::clock::set_back;
 use super::found::{Implausible, plain};
 use crate::problem::steps::{FEWEST_STEPS, only_direction, steps};
 use std::f64::consts::TAU;
@@ -29,6 +30,7 @@ pub(super) fn implausible(runs: &[Run], belong: bool) -> Vec<Implausible> {
         let joints = if belong { run.machine.joints() } else { Vec::new() };
         let directions = joints.into_iter().filter_map(|joint| against(run, joint));
         backward(run)
+            .or_else(|| set_back(run))
             .into_iter()
             .chain(too_long(run))
             .chain(too_fast(run))

@@ -7,6 +7,7 @@
 use super::fitted::Fitted;
 use super::looked::{MOST_POINTS, with_points};
 use crate::Experiment;
+use std::f64::consts::PI;
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 use trunnion_core::{Point, Setup};
 use trunnion_cycles::Run;
@@ -62,6 +63,12 @@ pub(super) fn would_move(run: &Run, setup: usize, channels: &[usize], rows: &[us
 /// Whether a setup that is read again shows other digits: its noise is not hidden by the display.
 pub(super) fn would_differ(run: &Run, setup: usize) -> bool {
     Left::of(run, setup, |_, _| false).is_none_or(|left| !left.is_coarse())
+}
+
+/// Chance that two readings of one channel of a setup fall on one step of the display; `None` where that is not known.
+pub(super) fn same_by_chance(run: &Run, setup: usize) -> Option<f64> {
+    let left = Left::of(run, setup, |_, _| false)?;
+    (left.scatter_mm > 0.0).then(|| (left.step_mm / (2.0 * left.scatter_mm * PI.sqrt())).min(1.0))
 }
 
 /// What the base model leaves of a run, next to the display of a setup.

@@ -7,6 +7,7 @@ use crate::{Error, completeness, files, page};
 use std::path::{Path, PathBuf};
 use trunnion_core::Gap;
 use trunnion_cycles::Run;
+use trunnion_engine::plausibility::clock_doubt;
 use trunnion_machine::NamePlate;
 use trunnion_record::Damage;
 use trunnion_results as results;
@@ -155,6 +156,7 @@ impl Runs {
         self.samples.extend(samples.and_then(|counts| results::Samples::of(&run.name, &counts)));
         self.excluded.extend(reduced.excluded());
         self.doubts.extend(reduced.doubt(&run));
+        self.doubts.extend(clock_doubt(&run).map(|doubt| results::Doubt::clock(&run.name, &doubt)));
         self.runs.push(run);
         self.readings.push(if points > 0.0 { readings / points } else { 1.0 });
         self.planned.push(planned);

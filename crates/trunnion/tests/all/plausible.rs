@@ -47,6 +47,36 @@ fn a_coarse_display_of_a_quiet_machine_raises_no_doubt() {
     }
 }
 
+/// What a pause never gives is said; a pause, a night and a clock that begins again at each setup are no doubt.
+#[test]
+fn a_clock_that_was_set_forward_or_stands_is_said_and_a_pause_is_not() {
+    let with = |change: &dyn Fn(usize, f64) -> f64| {
+        let mut files = Files::committed("points-gravity");
+        let column = files.column("time_s");
+        for (k, row) in files.rows.iter_mut().enumerate() {
+            row[column] = format!("{:.3}", change(k, row[column].parse().unwrap()));
+        }
+        let check = files.open().check();
+        assert_eq!(check.plausibility, []);
+        check.doubts.into_iter().map(|doubt| (doubt.reason, doubt.words)).collect::<Vec<_>>()
+    };
+    let from =
+        |row: usize, by_s: f64| move |k: usize, time_s: f64| if k >= row { time_s + by_s } else { time_s };
+    let set = with(&from(112, 3600.0));
+    let [(DoubtReason::Clock, words)] = &set[..] else { panic!("{set:?}") };
+    assert!(words.contains("by 3604 s from row 112 to row 113, by 4.0 s otherwise"), "{words}");
+    let stands = with(&|_, _| 0.0);
+    let [(DoubtReason::Clock, words)] = &stands[..] else { panic!("{stands:?}") };
+    assert!(words.contains("has the time 0 s") && words.contains("out of reach"), "{words}");
+    assert_eq!(with(&from(112, 2400.0)), [], "a pause within a pass");
+    assert_eq!(with(&from(168, 15.0 * 3600.0)), [], "a night between two setups");
+    assert_eq!(
+        with(&|k, time_s| if k < 168 { time_s } else { time_s - 672.0 }),
+        [],
+        "a clock for each setup"
+    );
+}
+
 /// It is left out of the fit, and says nothing of the other readings.
 #[test]
 fn one_wrong_reading_is_no_mistake_of_all() {

@@ -56,7 +56,7 @@ fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-pub const PROBES: [ProbeMistake; 30] = [
+pub const PROBES: [ProbeMistake; 35] = [
     (
         "every probe at the input of the next",
         GRAVITY,
@@ -283,6 +283,48 @@ pub const PROBES: [ProbeMistake; 30] = [
         "degrees Fahrenheit",
         GRAVITY,
         |f| f.change("ambient_degc", |v| v * 1.8 + 32.0),
-        &["too hot for air", "In °F"],
+        &["too hot for air", "in °F 19.4 °C", "1.8 times too small"],
+    ),
+    (
+        "tenths of °C",
+        GRAVITY,
+        |f| f.change("ambient_degc", |v| 10.0 * v),
+        &[
+            "never below 194.1 °C",
+            "It would be in tenths of °C 19.4 °C, which is plausible",
+            "10 times too small",
+        ],
+    ),
+    (
+        "kelvin",
+        GRAVITY,
+        |f| f.change("ambient_degc", |v| v + 273.15),
+        &["never below 292.6 °C", "in K 19.4 °C", "273 K off"],
+    ),
+    (
+        "a temperature of zero for a while",
+        GRAVITY,
+        |f| (100..150).for_each(|row| f.set(row, "ambient_degc", 0.0, 2)),
+        &["ambient is exactly 0 °C in 50 of 336 points (rows 101 to 150)", "sensor was not read"],
+    ),
+    (
+        "a clock set back by five minutes",
+        GRAVITY,
+        |f| (112..f.rows.len()).for_each(|row| f.set(row, "time_s", f.number(row, "time_s") - 300.0, 3)),
+        &["from row 112 to row 113 time runs back by 296 s, from 498.0 to 202.0 s", "clock was set"],
+    ),
+    (
+        "every fourth row with the readings of the row before",
+        NOTHING,
+        |f| {
+            for row in (1..f.rows.len()).step_by(4) {
+                READINGS.iter().for_each(|name| f.set(row, name, f.number(row - 1, name), 2));
+            }
+        },
+        &[
+            "42 of 166 rows of setup low all readings are those of the row before",
+            "(rows 2, 6, 10, 14, …)",
+            "not new",
+        ],
     ),
 ];
