@@ -111,6 +111,22 @@ fn strings(args: &[&str]) -> Vec<String> {
 }
 
 #[test]
+fn a_name_that_nothing_has_is_wrong_usage() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = imported(folder.path(), |_, rows| rows.into_iter().map(str::to_owned).collect());
+    for (args, words) in [
+        (vec!["identify", &run, "--method", "nope"], "two-height"),
+        (vec!["identify", &run, "--method", "two-height", "--axis", "Q"], "has no rotary axis"),
+        (vec!["history", &run], "--folder"),
+    ] {
+        let output = answer(&args);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {error}");
+        assert!(error.contains(words), "{args:?}: {error}");
+    }
+}
+
+#[test]
 fn a_recording_that_is_cut_says_so_where_nothing_is_left() {
     let folder = tempfile::tempdir().unwrap();
     let run = imported(folder.path(), |_, rows| rows.into_iter().map(str::to_owned).collect());

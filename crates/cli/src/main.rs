@@ -113,7 +113,12 @@ fn main() -> ExitCode {
         Ok(Outcome::DataLoss | Outcome::Withheld) => ExitCode::from(3),
         Err(error) => {
             terminal::remark(&format!("{error:#}"));
-            if error.is::<load::NotTrusted>() { ExitCode::from(3) } else { ExitCode::FAILURE }
+            match error.downcast_ref() {
+                // An axis is known only with the machine of the recording.
+                Some(trunnion::Error::NoSuchAxis { .. }) => ExitCode::from(2),
+                _ if error.is::<load::NotTrusted>() => ExitCode::from(3),
+                _ => ExitCode::FAILURE,
+            }
         }
     }
 }

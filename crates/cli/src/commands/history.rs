@@ -26,7 +26,7 @@ use trunnion_service::run_record::{self, Known};
 #[derive(clap::Args)]
 pub struct Args {
     /// Name of the machine; without it, that of the newest recording
-    #[arg(value_name = "MACHINE")]
+    #[arg(value_name = "MACHINE", value_parser = machine)]
     machine: Option<String>,
     /// Folder of recordings (.mcap)
     #[arg(long, value_name = "DIR", default_value = ".")]
@@ -46,6 +46,15 @@ pub struct Args {
     /// Print JSON (format trunnion-history/1)
     #[arg(long)]
     json: bool,
+}
+
+/// A file is no name of a machine, not even one that a machine could have.
+fn machine(text: &str) -> Result<String, String> {
+    let is_file = text.ends_with(".mcap") || Path::new(text).is_file() || Path::new(text).is_dir();
+    if is_file {
+        return Err("a history is of a machine, not of a file: give its name, or --folder with the folder of its recordings".into());
+    }
+    Ok(text.into())
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
