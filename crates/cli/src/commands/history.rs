@@ -50,8 +50,8 @@ pub struct Args {
 
 /// A file is no name of a machine, not even one that a machine could have.
 fn machine(text: &str) -> Result<String, String> {
-    let is_file = text.ends_with(".mcap") || Path::new(text).is_file() || Path::new(text).is_dir();
-    if is_file {
+    // A folder may well be called after its machine.
+    if text.ends_with(".mcap") || Path::new(text).is_file() {
         return Err("a history is of a machine, not of a file: give its name, or --folder with the folder of its recordings".into());
     }
     Ok(text.into())

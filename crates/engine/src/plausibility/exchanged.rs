@@ -1,7 +1,7 @@
 //! Mistakes between readings and positions, each tried: the base model is fitted to the readings as they are and with the mistake undone.
 
+mod at_a_point;
 mod axes;
-mod from_a_point;
 mod scaled;
 
 use super::fitted::{Fitted, Tried};
@@ -137,7 +137,7 @@ impl Trial<'_> {
             tried.extend(self.absolute());
             tried.extend(self.other_side(None));
             tried.extend(self.probes_scaled());
-            tried.extend(self.from_a_point());
+            tried.extend(self.changed_at_a_point());
             tried.extend(turned(self.experiment, self.model));
         }
         for setup in each {

@@ -9,7 +9,7 @@ const FEWEST: usize = 12;
 
 impl Trial<'_> {
     /// Every way from the point on with which least is left.
-    pub(super) fn from_a_point(&self) -> Vec<Tried> {
+    pub(super) fn changed_at_a_point(&self) -> Vec<Tried> {
         let (experiment, count) = (self.experiment, self.experiment.points.len());
         if count < 2 * FEWEST {
             return Vec::new();
