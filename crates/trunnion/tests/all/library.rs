@@ -68,7 +68,7 @@ fn what_comes_in_by_one_act_is_one_step_and_goes_out_together() {
         let without = step.fit().remove(id, "2026-03-02", None).unwrap();
         assert_eq!(without.results(), base.results(), "{id}");
         let removed: Vec<_> = without.model().ladder().removed.into_iter().map(|gone| gone.effect).collect();
-        assert_eq!(removed, [effect.clone()]);
+        assert_eq!(removed, *std::slice::from_ref(&effect));
     }
 }
 
