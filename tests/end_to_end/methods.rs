@@ -291,11 +291,11 @@ fn what_cannot_be_done_is_refused_with_what_can() {
         assert_eq!(output.status.code(), Some(code), "{error}");
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     };
-    check(&["--method", "two-hight"], 1, &["two-hight", "two-height", "error-map", "rotary-values"]);
+    check(&["--method", "two-hight"], 2, &["two-hight", "two-height", "error-map", "rotary-values"]);
     check(&["--method", "two-height"], 1, &["X, Z", "axis line", "two-height-c.toml"]);
     check(&["--method", "error-map"], 1, &["on the fly", "two nest positions"]);
     // Any joint has a name; which ones turn, the machine of the run says.
-    check(&["--method", "two-height", "--axis", "X"], 1, &["no rotary axis \"X\"", "B, C"]);
+    check(&["--method", "two-height", "--axis", "X"], 2, &["no rotary axis \"X\"", "B, C"]);
     check(&["--method", "two-height", "--convention", "left"], 2, &["right-handed", "source"]);
     check(&["--convention", "source"], 2, &["--method"]);
 }

@@ -19,7 +19,7 @@ use crate::Experiment;
 use crate::IdentifyError;
 use crate::noise::machine_noise::unit_columns;
 use crate::problem::Problem;
-use band::Band;
+use band::{Band, OVERSAMPLING};
 use left::Left;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -27,7 +27,7 @@ use trunnion_core::Joint;
 use trunnion_core::convert::{um_from_mm, urad_from_rad};
 use trunnion_effects::Instance;
 use trunnion_machine::{Axis, Site};
-use wave::{Explained, OVERSAMPLING, Waves};
+use wave::{Explained, Waves};
 
 /// Waves of one axis that are listed, at most.
 const MOST_WAVES: usize = 4;

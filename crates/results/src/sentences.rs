@@ -1,7 +1,9 @@
 //! What the numbers say, in sentences: shared by page, terminal and every other surface. Each thing is said once.
 
+mod size;
 mod symbols;
 
+pub use size::{at_tool_um, is_clear};
 pub use symbols::{
     as_axes_stand, error_in_words, is_location, location_sentence, setting_in_words, unnumbered_locations,
 };
@@ -9,26 +11,14 @@ pub use symbols::{
 use crate::number::{degrees, justified, plain, um, unit_on_screen};
 use crate::{
     Approach, Candidate, Complete, Diagnosis, Doubt, FormulaProposal, Identification, LeftOut, Missing,
-    Moved, Parameter, PlannedCycle, Plausibility, Residual, Samples, ShapeNumber, Verdict,
+    Moved, PlannedCycle, Plausibility, Residual, Samples, ShapeNumber, Verdict,
 };
 use std::f64::consts::LN_10;
-use trunnion_core::LEVER_MM;
 use trunnion_effects::catalogue::effect;
 pub use trunnion_effects::catalogue::effect_name;
 pub use trunnion_effects::sources::{sources, with_authors};
 use trunnion_effects::{About, Role};
 use trunnion_engine::diagnosis::options::CLAIM_LN;
-
-/// A parameter is worth reporting when it exceeds this many standard uncertainties.
-const CLEAR_U: f64 = 3.0;
-/// How far a value moves the tool, µm: a turn, or a scale, over 100 mm; `None` for a unit that is no shift of the tool.
-pub fn at_tool_um(value: f64, unit: &str) -> Option<f64> {
-    match unit {
-        "um" => Some(value.abs()),
-        "urad" | "um/m" => Some(value.abs() * LEVER_MM * 1e-3),
-        _ => None,
-    }
-}
 
 /// What the catalogue knows of an effect id; `None` for a formula or a foreign id.
 pub fn about(id: &str) -> Option<&'static About> {
@@ -122,11 +112,6 @@ pub fn name_among<'a>(
         true => format!("{name} of {effect}"),
         false => name.into(),
     }
-}
-
-/// True for a number that is worth reporting.
-pub fn is_clear(parameter: &Parameter) -> bool {
-    parameter.value.zip(parameter.u).is_some_and(|(value, u)| value.abs() > CLEAR_U * u)
 }
 
 /// True when an expression leads the named effects.

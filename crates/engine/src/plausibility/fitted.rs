@@ -1,7 +1,7 @@
 //! What the base model, with every location error and setting free, leaves of readings.
 
 use crate::Experiment;
-use crate::evidence::joined;
+use crate::evidence::{joined, orthonormal};
 use crate::solve::linear::Reduced;
 use nalgebra::{DMatrix, DVector};
 use trunnion_effects::{Instance, Model};
@@ -66,6 +66,13 @@ impl Fitted {
             ((square - along.norm_squared()).max(0.0) / before.len().max(1) as f64).sqrt()
         };
         rows.iter().map(of_row).collect()
+    }
+
+    /// Rms of what it leaves with some more columns, mm.
+    pub fn rms_with_mm(&self, columns: &DMatrix<f64>, readings_mm: &DVector<f64>) -> f64 {
+        let new = orthonormal(&(columns - &self.directions * self.basis.tr_mul(columns)));
+        let left_mm = self.left_mm(readings_mm);
+        rms(&(&left_mm - &new * new.tr_mul(&left_mm)))
     }
 
     /// The same, rms.

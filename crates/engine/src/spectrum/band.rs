@@ -1,10 +1,11 @@
 //! Which waves a set of positions can show.
 
-use super::wave::OVERSAMPLING;
 use nalgebra::Complex;
 use std::f64::consts::{PI, TAU};
 use trunnion_core::statistics::upper_median;
 
+/// Frequencies looked at for each independent one: a peak between two of them keeps 90 % of its height [sinc²(1/6)].
+pub(crate) const OVERSAMPLING: f64 = 3.0;
 /// Positions closer than this share of their span are one position.
 const SAME: f64 = 1e-6;
 /// Share of its height that the spectral window must keep at 2π/step for positions to count as a regular grid.

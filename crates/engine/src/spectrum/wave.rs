@@ -1,14 +1,12 @@
 //! Waves of one frequency in a residual: how much they explain, and how well their frequency is known.
 
-use super::band::Band;
+use super::band::{Band, OVERSAMPLING};
 use super::moments::{Inner, Moments};
 use crate::solve::golden_section::golden_section;
 use nalgebra::{DMatrix, DVector};
 
 /// Columns that keep less than this share of their norm next to the model and the columns before them are imitated by them.
 const SURVIVAL: f64 = 0.03;
-/// Frequencies looked at for each independent one: a peak between two of them keeps 90 % of its height [sinc²(1/6)].
-pub(crate) const OVERSAMPLING: f64 = 3.0;
 /// Divisions of the golden section: 0.618^20 of a resolution.
 const DIVISIONS: usize = 20;
 /// Step of the second difference, in resolutions.

@@ -1,6 +1,6 @@
 //! What symbols of errors and names of settings are called.
 
-use super::{at_tool_um, is_clear};
+use super::size::{at_tool_um, is_clear};
 use crate::Parameter;
 use crate::number::justified;
 use trunnion_core::LEVER_MM;

@@ -1,10 +1,10 @@
 //! Readings of one probe, or of one setup, in another unit than the others.
 //!
-//! Dividing readings makes whatever is left of them small, right or wrong. So only the smaller ones are multiplied, by which a false trial leaves
-//! more, not less.
+//! Dividing readings makes whatever is left of them small, right or wrong. So the smaller ones are multiplied, by which a false trial leaves
+//! more, not less; what that leaves is divided, as a right one, only where it would be believed undivided.
 
-use super::Trial;
 use super::axes::PROBES;
+use super::{BELIEVED, Trial};
 use crate::plausibility::fitted::Tried;
 
 /// What readings are too small by, and what makes them so; then what makes them too large by it.
@@ -39,11 +39,14 @@ impl Trial<'_> {
                 }
             })
         };
+        let before_mm = self.left_mm(|_| ());
         let both = |(factor, small, large): &(f64, &str, &str)| {
-            [
-                (format!("{which} multiplied by {factor} ({small})"), multiplied(*factor, true)),
-                (format!("{which} divided by {factor} ({large})"), multiplied(*factor, false) / factor),
-            ]
+            let of_others_mm = multiplied(*factor, false);
+            let is_right = BELIEVED * of_others_mm < before_mm;
+            let divided = (format!("{which} divided by {factor} ({large})"), of_others_mm / factor);
+            std::iter::once((format!("{which} multiplied by {factor} ({small})"), multiplied(*factor, true)))
+                .chain(is_right.then_some(divided))
+                .collect::<Vec<_>>()
         };
         FACTORS.iter().flat_map(both).collect()
     }
