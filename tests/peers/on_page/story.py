@@ -6,7 +6,7 @@ import re
 
 from checks import check, trunnion
 from on_page.tab import DATA, Served, Tab, rms_um
-from on_page.what_if import what_if
+from on_page.what_if import together, what_if
 
 
 def story_of_one_run(browser, folder):
@@ -26,6 +26,7 @@ def story_of_one_run(browser, folder):
         places = [next((k for k, head in enumerate(heads) if head.startswith(part)), None) for part in order]
         check("the result has its parts in order", None not in places and places == sorted(places), heads)
         tab.guide("result")
+        together(tab)
 
         # By mouse, without a name first.
         tab.page.click('[data-add="gravity-sag:B"]')

@@ -18,7 +18,6 @@ def what_if(tab, after, before):
     check("the bars follow: chosen now is the fit without it", "without" in without and abs(widths()[0] - max(widths())) < 0.5, (without, widths()))
     tab.page.check('input[value="gravity-sag:B"]')
     check("and fall when it is on", widths()[0] < 0.6 * max(widths()), widths())
-    together(tab, shown)
     curves(tab)
     check("and back", abs(shown() - after) < 0.006, shown())
     tab.page.uncheck('input[value="low"]')
@@ -33,8 +32,11 @@ def what_if(tab, after, before):
     check("an expression is checked as it is typed", True)
 
 
-def together(tab, shown):
+def together(tab):
     """Candidates in pairs: their sizes are fitted together, so that two never leave more than the better one."""
+    tab.view("what-if")
+    tab.page.wait_for_selector("#rms")
+    shown = lambda: float(tab.page.locator("#rms").get_attribute("data-um"))
     boxes = tab.page.locator("#view fieldset").first.locator("input")
     candidates = [box for box in boxes.all() if not box.is_checked()][:3]
     alone = []
@@ -52,6 +54,7 @@ def together(tab, shown):
             check("and the page says what the figure is", "sizes fitted together" in tab.text("#rms + p"), tab.text("#rms + p"))
             one.uncheck()
             candidates[j].uncheck()
+    tab.view("result")
 
 
 def curves(tab):
