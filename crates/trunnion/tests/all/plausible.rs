@@ -81,12 +81,15 @@ fn a_clock_that_was_set_forward_or_stands_is_said_and_a_pause_is_not() {
 /// side of an axis with play, or one direction alone still has an error.
 #[test]
 fn what_a_corrected_machine_still_does_is_no_mistake_of_the_readings() {
-    let one_way = |files: &Files, row: usize| files.rows[row][files.column("direction_c")] == "1";
-    let cases: [(&str, &dyn Fn(&Files, usize) -> [f64; 3]); 4] = [
-        ("slip", &|_, row| [0.0, if row < 200 { 0.0 } else { 8.0 }, 0.0]),
-        ("slip through the middle", &|_, row| [0.0, if row < 200 { -4.0 } else { 4.0 }, 0.0]),
-        ("play", &|files, row| [0.0, if one_way(files, row) { 4.0 } else { -4.0 }, 0.0]),
-        ("one direction", &|_, row| [0.0, 0.0, 5.0 * (row as f64 * 0.524).cos()]),
+    fn one_way(files: &Files, row: usize) -> bool {
+        files.rows[row][files.column("direction_c")] == "1"
+    }
+    type Read = fn(&Files, usize) -> [f64; 3];
+    let cases: [(&str, Read); 4] = [
+        ("slip", |_, row| [0.0, if row < 200 { 0.0 } else { 8.0 }, 0.0]),
+        ("slip through the middle", |_, row| [0.0, if row < 200 { -4.0 } else { 4.0 }, 0.0]),
+        ("play", |files, row| [0.0, if one_way(files, row) { 4.0 } else { -4.0 }, 0.0]),
+        ("one direction", |_, row| [0.0, 0.0, 5.0 * (row as f64 * 0.524).cos()]),
     ];
     for (name, read) in cases {
         let mut files = Files::committed("points-nothing-hidden");
