@@ -24,6 +24,7 @@ mod findings;
 mod forecast;
 mod history;
 mod identification;
+mod identification_from_engine;
 mod json;
 mod ladder;
 mod left_out;

@@ -163,6 +163,14 @@ fn temperatures_that_change_together_and_impossible_coefficients_are_doubted() {
     let days = Days { coefficients: [8.0, -3.0], between_um_per_k: 0.0, drift: (0.0, 1.0), white_um: 0.3 };
     let (files, _) = days.write(folder.path(), 1);
     assert_eq!(fit(&files[..1]).results().doubts, []);
+    // They follow their temperatures at once: no fault of the fit, so a remark before it is added and no doubt after.
+    let day = trunnion::open_all(&files[..1]).unwrap();
+    let found = day.fit(&day.base_model()).unwrap().diagnose().unwrap().results();
+    let expansion = found.candidates.iter().find(|one| one.effect == "thermal-expansion").unwrap();
+    assert!(
+        expansion.remarks.iter().any(|remark| remark.starts_with("No lag was seen: tau_s")),
+        "{expansion:?}"
+    );
     // A third sensor next to the first, and a fourth far too sensitive.
     let table = std::fs::read_to_string(&files[0]).unwrap();
     let mut lines = table.lines();
