@@ -1,6 +1,7 @@
 //! What to do after a run: no more than its data allow.
 
 use crate::certainty::measure_next;
+use crate::number::um;
 use crate::words::{about, effect_name, is_failed, is_only_incomplete, names, planned_words};
 use trunnion_results::{Candidate, Comparison, Correctable, Diagnosis, Prediction, RunPrediction, Verdict};
 
@@ -31,7 +32,7 @@ pub(crate) fn to_do(input: &Comparison) -> Vec<String> {
     }
     match diagnosis.verdict {
         Verdict::MissingEffect | Verdict::UnnamedStructure => {
-            to_do.push("Enter nothing into the control before the model explains the readings.".into());
+            to_do.push(before_the_model_explains(input, diagnosis));
         }
         Verdict::Undecided if to_do.len() == 1 => {
             to_do.push("Measure again, every pose twice.".into());
@@ -39,6 +40,21 @@ pub(crate) fn to_do(input: &Comparison) -> Vec<String> {
         _ => {}
     }
     to_do
+}
+
+/// What is missing below the repeatability stays in the machine at the measured poses as its scatter does: no reason to leave large
+/// errors in it.
+fn before_the_model_explains(input: &Comparison, diagnosis: &Diagnosis) -> String {
+    let is_something_clear = input.correctable.as_ref().is_some_and(|known| !known.clear.is_empty());
+    match (diagnosis.missing_below_repeatability_um(), diagnosis.residual.noise_um) {
+        (Some(missing), Some(repeats)) if is_something_clear => format!(
+            "Entering the errors of the axes into the control need not wait for it (trunnion correct --although-inadequate): what is \
+             missing is {} rms, less than the repeatability ({}).",
+            um(missing),
+            um(repeats)
+        ),
+        _ => "Enter nothing into the control before the model explains the readings.".into(),
+    }
 }
 
 fn ask(frozen: Option<&Prediction>) -> &'static str {

@@ -199,6 +199,17 @@ impl Diagnosis {
         self.residual.unexplained_fraction.filter(|_| found).map(|left| 1.0 - left)
     }
 
+    /// What was found does to the readings, µm rms per component: the root of the mean square that it explains.
+    pub fn missing_um(&self) -> Option<f64> {
+        self.explained().map(|share| share.max(0.0).sqrt() * self.residual.rms_um)
+    }
+
+    /// The same where it is smaller than the repeatability: no correction can hold the machine better than it repeats.
+    pub fn missing_below_repeatability_um(&self) -> Option<f64> {
+        let repeats = self.residual.noise_um?;
+        self.missing_um().filter(|&missing| missing < repeats)
+    }
+
     /// Whether the model explains the readings; `None` where this diagnosis does not say.
     pub fn model_adequate(&self) -> Option<bool> {
         match self.verdict {

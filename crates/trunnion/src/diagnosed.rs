@@ -4,6 +4,7 @@ use crate::analysis::diagnosed;
 use crate::{Error, Experiment, Fit};
 use std::sync::Arc;
 use trunnion_core::chain;
+use trunnion_core::number::plain;
 use trunnion_engine::{Diagnosis, next_cycle};
 use trunnion_results as results;
 
@@ -29,7 +30,13 @@ impl Fit {
     pub fn verdict(&self) -> (results::Verdict, String) {
         let answer = Diagnosed::or_not_judged(self).results();
         let named = answer.named();
-        let found = if named.is_empty() { answer.why } else { format!("It lacks {}.", named.join("; ")) };
+        let found = match answer.missing_um() {
+            _ if named.is_empty() => answer.why,
+            Some(missing) => {
+                format!("It lacks {} ({} µm rms of the readings).", named.join("; "), plain(missing))
+            }
+            None => format!("It lacks {}.", named.join("; ")),
+        };
         (answer.verdict, found)
     }
 }

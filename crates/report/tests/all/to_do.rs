@@ -4,7 +4,7 @@ use crate::filed::report;
 use trunnion_report::{Language, compare_text, diagnosis_text, report_html, story};
 use trunnion_results::{
     Candidate, Comparison, ConfoundedErrors, Correctable, Diagnosis, FormulaProposal, LeftOutEffect,
-    Parameter, Plausibility, Question, Together, Verdict,
+    Parameter, Plausibility, Question, Residual, Together, Verdict,
 };
 
 const ENTER: &str = "Enter the errors of the axes into the control";
@@ -103,7 +103,18 @@ fn errors_are_entered_only_where_the_model_explains_the_readings_and_an_error_is
     let small = Correctable { small: vec!["EX0C".into()], ..Correctable::default() };
     let confounded = Correctable { confounded: vec![combination()], ..Correctable::default() };
     let legs = Correctable::nothing("controls move legs in parallel by tables that are not public");
+    let measured = |noise_um| Residual {
+        rms_um: 0.35,
+        noise_um,
+        unexplained_fraction: Some(0.75),
+        ..Residual::default()
+    };
+    let with = |noise_um| Diagnosis { residual: measured(noise_um), ..missing.clone() };
     let others = [
+        (with(Some(0.3)), seen(), "Entering the errors of the axes into the control need not wait"),
+        (with(Some(0.3)), Correctable::default(), "Enter nothing into the control before"),
+        (with(Some(0.1)), seen(), "Enter nothing into the control before"),
+        (with(None), seen(), "Enter nothing into the control before"),
         (
             verdict(Verdict::NoiseFloor),
             Correctable::default(),
