@@ -3,6 +3,8 @@
 mod at_a_point;
 mod axes;
 mod scaled;
+mod unsettled;
+mod unsigned;
 
 use super::fitted::{Fitted, Tried};
 use super::found::Implausible;
@@ -133,8 +135,12 @@ impl Trial<'_> {
                     .flat_map(|(probe, name)| self.late(None, &format!("the readings {name}"), &[probe])),
             );
         }
+        if self.run.kind == RunKind::Static && has_three {
+            tried.extend(self.unsettled());
+        }
         if has_three {
             tried.extend(self.absolute());
+            tried.extend(self.unsigned());
             tried.extend(self.other_side(None));
             tried.extend(self.probes_scaled());
             tried.extend(self.changed_at_a_point());

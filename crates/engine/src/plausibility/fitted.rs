@@ -52,6 +52,15 @@ impl Fitted {
         readings_mm - &self.directions * self.basis.tr_mul(readings_mm)
     }
 
+    /// What the model can explain along which the squares of readings are largest: the first eigenvector of Bᵀ·diag(y²)·B, on every row.
+    pub fn strongest(&self, readings_mm: &DVector<f64>) -> Option<DVector<f64>> {
+        let mut weighted = self.basis.clone();
+        weighted.column_iter_mut().for_each(|mut column| column.component_mul_assign(readings_mm));
+        let squares = (weighted.tr_mul(&weighted)).symmetric_eigen();
+        (!squares.eigenvalues.is_empty())
+            .then(|| &self.directions * squares.eigenvectors.column(squares.eigenvalues.imax()))
+    }
+
     /// Rms of what it leaves of readings that are `before` up to a row and `after` from that row on, mm: for each of `rows`, ascending.
     /// Σr² = |y|² − |Bᵀy|², both summed row by row. Of a fit to every row.
     pub fn left_of_switch_mm(&self, before: &DVector<f64>, after: &DVector<f64>, rows: &[usize]) -> Vec<f64> {

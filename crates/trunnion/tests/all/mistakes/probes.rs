@@ -26,6 +26,17 @@ impl Files {
         }
     }
 
+    /// Each reading of a setup keeps a share of the one before.
+    fn settling(&mut self, share: f64) {
+        let of_setup = self.rows.len() / 2;
+        for row in (0..self.rows.len()).filter(|row| row % of_setup > 0) {
+            for name in READINGS {
+                let value = share * self.number(row - 1, name) + (1.0 - share) * self.number(row, name);
+                self.set(row, name, value, 2);
+            }
+        }
+    }
+
     /// Rows of the second setup.
     fn second(&self) -> std::ops::Range<usize> {
         self.rows.len() / 2..self.rows.len()
@@ -56,7 +67,7 @@ fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-pub const PROBES: [ProbeMistake; 35] = [
+pub const PROBES: [ProbeMistake; 39] = [
     (
         "every probe at the input of the next",
         GRAVITY,
@@ -68,6 +79,30 @@ pub const PROBES: [ProbeMistake; 35] = [
         NOTHING,
         |f| f.readings(|[x, y, z]| [-x, y, -z]),
         &["sign of the readings dy reversed, or those of dx and dz"],
+    ),
+    (
+        "read before the probes had settled",
+        NOTHING,
+        |f| f.settling(0.4),
+        &["40 % of the reading before", "before they had settled"],
+    ),
+    (
+        "absolute values of every probe",
+        GRAVITY,
+        |f| f.readings(|reading| reading.map(f64::abs)),
+        &["signs given to the readings dx, dy, dz", "absolute values"],
+    ),
+    (
+        "absolute values of every probe of another machine",
+        NOTHING,
+        |f| f.readings(|reading| reading.map(f64::abs)),
+        &["signs given to the readings dx, dy, dz", "absolute values"],
+    ),
+    (
+        "absolute values of one probe",
+        GRAVITY,
+        |f| f.readings(|[x, y, z]| [x.abs(), y, z]),
+        &["signs given to the readings dx", "absolute values"],
     ),
     (
         "nest mounted turned by 90°",
