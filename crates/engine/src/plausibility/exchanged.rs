@@ -2,7 +2,9 @@
 
 mod at_a_point;
 mod axes;
+mod parts;
 mod scaled;
+mod turning;
 mod unsettled;
 mod unsigned;
 
@@ -28,6 +30,8 @@ const GROSS_REPEATABILITIES: f64 = 5.0;
 /// What leaves no more than this times the least explains as much: the simpler mistake, tried first, is named. A free angle takes up a
 /// little of every effect.
 const AS_GOOD: f64 = 1.25;
+/// Rows by which readings may be late; more are another measurement.
+const MOST_ROWS_LATE: usize = 5;
 /// What is left is no more than readings repeat where it exceeds that by no more than so many standard deviations of it.
 const SURE: f64 = 3.0;
 
@@ -66,7 +70,7 @@ pub(super) fn by_one_row(looked: &Looked) -> Option<Implausible> {
     }
     let repeated = repeatability(experiment, &passes(experiment))?;
     let before_mm = model.rms_mm(&experiment.readings_mm());
-    let tried = Trial { run, experiment, model }.shifted(None);
+    let tried = Trial { run, experiment, model }.late(None, "the readings", &[0, 1, 2], 1);
     let (mistake, left_mm) = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     // The variance of so many repeats has the relative standard deviation √(2/ν) [normal distribution].
     let chance = SURE * (2.0 / repeated.degrees_of_freedom.max(1) as f64).sqrt();
@@ -132,19 +136,20 @@ impl Trial<'_> {
                 PROBES
                     .iter()
                     .enumerate()
-                    .flat_map(|(probe, name)| self.late(None, &format!("the readings {name}"), &[probe])),
+                    .flat_map(|(probe, name)| self.late(None, &format!("the readings {name}"), &[probe], 1)),
             );
         }
         if self.run.kind == RunKind::Static && has_three {
             tried.extend(self.unsettled());
+            tried.push(self.added_up());
         }
         if has_three {
             tried.extend(self.absolute());
             tried.extend(self.unsigned());
             tried.extend(self.other_side(None));
             tried.extend(self.probes_scaled());
-            tried.extend(self.changed_at_a_point());
             tried.extend(turned(self.experiment, self.model));
+            tried.extend(self.turning());
         }
         for setup in each {
             let of = |words: String| format!("{words} (setup {} alone)", setups[setup].name);
@@ -161,6 +166,10 @@ impl Trial<'_> {
                 tried.extend(self.setup_scaled(setup).into_iter().map(|(words, left)| (of(words), left)));
             }
             tried.extend((0..setup).filter_map(|other| self.of_setups_exchanged(other, setup)));
+        }
+        if has_three {
+            tried.extend(self.changed_at_a_point());
+            tried.extend(self.of_parts());
         }
         tried
     }
@@ -193,28 +202,54 @@ impl Trial<'_> {
         rows
     }
 
-    /// Of every probe together.
+    /// Of every probe together, by one row and, of all setups, by more.
     fn shifted(&self, setup: Option<usize>) -> Vec<Tried> {
-        self.late(setup, "the readings", &[0, 1, 2])
+        let most = if setup.is_none() { MOST_ROWS_LATE } else { 1 };
+        (1..=most).flat_map(|by| self.late(setup, "the readings", &[0, 1, 2], by)).collect()
     }
 
-    /// Some of the probes a row late or early.
-    fn late(&self, setup: Option<usize>, which: &str, probes: &[usize]) -> Vec<Tried> {
-        let own = self.points_of(setup);
+    /// Some of the probes rows late or early.
+    fn late(&self, setup: Option<usize>, which: &str, probes: &[usize], by: usize) -> Vec<Tried> {
+        let tried = self.late_rows(&self.points_of(setup), probes, by);
+        tried.map(|(words, rows)| (format!("{which} {words}"), self.model.rms_mm(&rows))).into()
+    }
+
+    /// Those of some points.
+    fn late_rows(&self, own: &[usize], probes: &[usize], by: usize) -> [(String, DVector<f64>); 2] {
         let points = &self.experiment.points;
-        let of = if self.run.kind == RunKind::Static { "pose" } else { "row" };
-        let by_one = |earlier: bool| {
-            self.left_mm(|readings| {
-                for pair in own.windows(2) {
-                    let (to, from) = if earlier { (pair[0], pair[1]) } else { (pair[1], pair[0]) };
+        let of = match (self.run.kind, by) {
+            (RunKind::Static, 1) => "one pose".into(),
+            (RunKind::Static, _) => format!("{by} poses"),
+            _ if by == 1 => "one row".into(),
+            _ => format!("{by} rows"),
+        };
+        let rows = if by == 1 { "one row".into() } else { format!("{by} rows") };
+        let shifted = |earlier: bool| {
+            self.changed_rows(|readings| {
+                for (&first, &second) in own.iter().zip(own.iter().skip(by)) {
+                    let (to, from) = if earlier { (first, second) } else { (second, first) };
                     probes.iter().for_each(|&probe| readings[to][probe] = points[from].reading_mm[probe]);
                 }
             })
         };
-        vec![
-            (format!("{which} shifted one row earlier: they are one {of} late"), by_one(true)),
-            (format!("{which} shifted one row later: they are one {of} early"), by_one(false)),
+        [
+            (format!("shifted {rows} earlier: they are {of} late"), shifted(true)),
+            (format!("shifted {rows} later: they are {of} early"), shifted(false)),
         ]
+    }
+
+    /// Readings relative to the row before.
+    fn added_up(&self) -> Tried {
+        let points = &self.experiment.points;
+        let left_mm = self.left_mm(|readings| {
+            for at in 1..points.len() {
+                if points[at].state.setup == points[at - 1].state.setup {
+                    let before = readings[at - 1];
+                    readings[at].iter_mut().zip(before).for_each(|(value, before)| *value += before);
+                }
+            }
+        });
+        ("the readings added up from row to row: each is relative to the one before".into(), left_mm)
     }
 
     /// The readings of two setups of as many points.
