@@ -210,3 +210,66 @@ fn location_errors_in_both_notations() {
     let text = done(&["identify", &runs[0], &runs[1], "--model", &model, "--notation", "relative"]);
     assert!(text.contains("α_CB") && text.contains("Ibaraki and Knapp 2012, tables 4 and 5"));
 }
+
+/// A number in the absolute notation is that of the line in the machine, whatever is zero by convention; what cannot be seen has none.
+#[test]
+fn an_absolute_location_error_is_right_or_has_no_number() {
+    let folder = tempfile::tempdir().unwrap();
+    for seed in 1..=4_u64 {
+        // Every error of both lines, by a sequence that repeats in no seed.
+        let size = |k: usize| ((seed as f64 * 7.3 + k as f64 * 2.9).sin() * 40.0).round();
+        let symbols = ["EX0", "EY0", "EZ0", "EA0", "EB0", "EC0"];
+        let joint = |axis: usize, k: usize| size(6 * axis + k);
+        let lines = ["B", "C"].iter().enumerate().flat_map(|(axis, letter)| {
+            symbols.iter().enumerate().map(move |(k, symbol)| {
+                let unit = if k < 3 { "um" } else { "urad" };
+                format!("{symbol}{letter}_{unit} = {:?}", joint(axis, k))
+            })
+        });
+        let setups = ["low", "high"].map(|name| {
+            let height = if name == "low" { 60.0 } else { 160.0 };
+            format!(
+                "[[setup]]\nname = \"{name}\"\ninstrument = \"r-test\"\nnest = \"table\"\nball_in_table_mm = [150.0, 0.0, {height:?}]\n\
+                 setting_um = [5.0, 8.0, -7.0]\n"
+            )
+        });
+        let text = format!(
+            "format = \"trunnion-truth/1\"\nmachine = \"table-bc\"\nseed = \"{seed}\"\nrun_duration_s = 40.0\n[location]\n{}\n\
+             [noise]\nwhite_um = 0.3\npass_offset_um = 0.0\ndrift_um = 0.0\ndrift_time_s = 10.0\nrepeatability_urad = 0.0\n\
+             natural_motion_um = 0.0\noutlier_share = 0.0\noutlier_um = 0.0\n{}",
+            lines.collect::<Vec<_>>().join("\n"),
+            setups.concat()
+        );
+        let [truth, run] = ["toml", "mcap"]
+            .map(|kind| folder.path().join(format!("seed-{seed}.{kind}")).display().to_string());
+        std::fs::write(&truth, text).unwrap();
+        done(&["simulate", &truth, "-o", &run]);
+        let answer: Value =
+            serde_json::from_str(&done(&["identify", &run, "--notation", "absolute", "--json"])).unwrap();
+
+        let machine = shipped::machine("table-bc").unwrap();
+        let through = ["B", "C"].map(|name| machine.axis(machine.joint(name).unwrap()).unwrap().through_mm);
+        let lean = Vector3::from_fn(|k, _| joint(0, 3 + k));
+        let moved_um = lean.cross(&(through[1] - through[0])) / 1e3;
+        let in_machine = |axis: usize, k: usize| match axis {
+            0 => joint(0, k),
+            _ => joint(0, k) + joint(1, k) + if k < 3 { moved_um[k] } else { 0.0 },
+        };
+        let mut without = Vec::new();
+        for error in answer["location_errors"]["values"].as_array().unwrap() {
+            let symbol = error["symbol"].as_str().unwrap();
+            let axis = usize::from(symbol.ends_with('C'));
+            let k = symbols.iter().position(|one| symbol.starts_with(one)).unwrap();
+            match error["value"].as_f64() {
+                None => without.push(symbol.to_owned()),
+                Some(value) => {
+                    let (truth, u) = (in_machine(axis, k), error["u"].as_f64().unwrap());
+                    assert!((value - truth).abs() < 4.5 * u, "{seed} {symbol}: {value} ± {u}, true {truth}");
+                    assert_eq!(error["without_number"], serde_json::json!([]), "{symbol}");
+                }
+            }
+        }
+        // Along B and about B its line has no place; along and about C that of the ball in the table is not known.
+        assert_eq!(without, ["EY0B", "EB0B", "EZ0C", "EC0C"], "{seed}");
+    }
+}

@@ -34,9 +34,14 @@ pub fn median(values: &[f64]) -> Option<f64> {
 /// The upper of the middle two of an even count, else the median: one of the values, as sizes of noise take it. Of n values
 /// it lies half a step of the sorted values above the median, 1/n of their scatter.
 pub fn upper_median(values: &[f64]) -> Option<f64> {
+    quantile(values, 0.5)
+}
+
+/// The value below which a share of the values lies: one of them, the upper of two.
+pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
-    let middle = sorted.len() / 2;
-    (!sorted.is_empty()).then(|| *sorted.select_nth_unstable_by(middle, f64::total_cmp).1)
+    let at = ((share * sorted.len() as f64) as usize).min(sorted.len().checked_sub(1)?);
+    Some(*sorted.select_nth_unstable_by(at, f64::total_cmp).1)
 }
 
 #[cfg(test)]
@@ -47,6 +52,10 @@ mod tests {
     fn means_and_medians_of_few_numbers() {
         assert_eq!((mean([]), rms([]), median(&[]), upper_median(&[])), (None, None, None, None));
         assert_eq!((mean([1.0, 5.0]), rms([3.0, -4.0, 0.0, 0.0])), (Some(3.0), Some(2.5)));
+        assert_eq!(
+            (quantile(&[4.0, 1.0, 3.0, 2.0], 0.9), quantile(&[4.0, 1.0], 1.0)),
+            (Some(4.0), Some(4.0))
+        );
         assert_eq!((median(&[5.0, 1.0, 3.0]), upper_median(&[5.0, 1.0, 3.0])), (Some(3.0), Some(3.0)));
         assert_eq!(
             (median(&[4.0, 1.0, 9.0, 2.0]), upper_median(&[4.0, 1.0, 9.0, 2.0])),

@@ -43,6 +43,8 @@ pub struct Limit {
     pub largest: f64,
     /// What a larger one says instead.
     pub beyond: &'static str,
+    /// A larger one says so only where nothing else is found: the readings are another effect's, which it resembles.
+    pub resembles: bool,
 }
 
 impl Limit {

@@ -31,6 +31,7 @@ mod words;
 
 pub use options::Options;
 
+use crate::diagnosis::judged::Verdict;
 use crate::problem::Problem;
 use crate::problem::experiment::Experiment;
 use answer::Answer;
@@ -57,12 +58,16 @@ pub fn diagnose(
 pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diagnosis, DiagnoseError> {
     let mut options = options.clone();
     let (mut doubts, mut real): (Vec<String>, Option<Vec<String>>) = (Vec::new(), None);
+    let mut resembling: Vec<String> = Vec::new();
     let mut scan = scan::Scan::new(problem, &options.without)?;
     loop {
         match answer::answer(problem, &scan, &options)? {
             Answer::Diagnosis(diagnosis) => {
                 return Ok(match real {
-                    None => *diagnosis,
+                    None if diagnosis.verdict == Verdict::MissingEffect || resembling.is_empty() => {
+                        *diagnosis
+                    }
+                    None => diagnosis.doubted(problem.experiment(), &resembling, &[]),
                     Some(real) => diagnosis.doubted(problem.experiment(), &doubts, &real),
                 });
             }
@@ -71,6 +76,11 @@ pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diag
                 real = Some(with.into_iter().filter(is_real).collect());
                 options.without.push(effect);
                 doubts.push(why);
+                scan = scan::Scan::new(problem, &options.without)?;
+            }
+            Answer::Resembles { effect, why } => {
+                options.without.push(effect);
+                resembling.push(why);
                 scan = scan::Scan::new(problem, &options.without)?;
             }
             Answer::NotAdded { effect } => options.not_added.push(effect),

@@ -16,8 +16,11 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_core::Joint;
 use trunnion_effects::{Role, Unit};
-use trunnion_engine::{Identification, Status};
+use trunnion_engine::{Identification, Status, Unobservable};
 use trunnion_machine::{Axis, Machine, Side};
+
+/// A sum changes along a direction by more than this share of its terms: more is no rounding.
+const SAME: f64 = 1e-6;
 
 /// Which way location errors are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,11 +62,11 @@ pub struct LocationError {
     pub symbol: String,
     /// The component.
     pub component: Component,
-    /// Value, mm or rad; `None` when it contains what the runs do not see.
+    /// Value, mm or rad; `None` when it depends on what the runs do not see.
     pub value: Option<f64>,
     /// Standard uncertainty, mm or rad; `None` when all of it is held, zero by convention, or not in the model.
     pub u: Option<f64>,
-    /// Parameters in it that are zero by convention or not seen.
+    /// Parameters that these runs give no number to and on which it depends.
     pub without_number: Vec<String>,
 }
 
@@ -223,7 +226,6 @@ impl Layout {
                 .filter_map(|j| Some((in_fit[j]?, matrix[(i, j)])))
                 .collect();
             in_fit[i]?;
-            let missing = |status: Status| parts.iter().any(|&(j, _)| fit.parameters[j].status == status);
             let sum: f64 = parts.iter().map(|&(j, c)| c * fit.parameters[j].value.unwrap_or(0.0)).sum();
             let variance: f64 = parts
                 .iter()
@@ -231,18 +233,43 @@ impl Layout {
                 .map(|(i, j, ab)| ab * fit.covariance[(i, j)])
                 .sum();
             let numbers = parts.iter().any(|&(j, _)| fit.parameters[j].observable());
-            let known = numbers && !missing(Status::Unobservable);
-            let without = parts.iter().filter(|&&(j, _)| !fit.parameters[j].observable());
+            let without_number = without_number(fit, &parts);
+            let known = numbers && without_number.is_empty();
             Some(LocationError {
                 symbol: self.components[i].symbol(notation),
                 component: self.components[i].clone(),
                 value: known.then_some(sum),
                 u: (known && variance > 0.0).then(|| variance.sqrt()),
-                without_number: without.map(|&(j, _)| fit.parameters[j].name.clone()).collect(),
+                without_number,
             })
         };
         (0..self.components.len()).filter_map(row).collect()
     }
+}
+
+/// Parameters without a number on which a sum of parameters depends: those not seen, and of each null direction along which the sum changes, the
+/// one that is zero by convention. Where the sum stays the same along all of them, the convention does not matter.
+fn without_number(fit: &Identification, parts: &[(usize, f64)]) -> Vec<String> {
+    let name = |j: usize| fit.parameters[j].name.clone();
+    let is_unseen = |j: usize| fit.parameters[j].status == Status::Unobservable;
+    let unseen = parts.iter().filter(|(j, _)| is_unseen(*j)).map(|(j, _)| name(*j));
+    let changes = |direction: &&Unobservable| {
+        let terms: Vec<f64> = direction
+            .inside
+            .iter()
+            .flat_map(|(j, d)| parts.iter().filter(move |part| part.0 == *j).map(move |part| part.1 * d))
+            .collect();
+        terms.iter().sum::<f64>().abs() > SAME * terms.iter().map(|term| term.abs()).sum::<f64>()
+    };
+    let zero = |direction: &Unobservable| {
+        let terms = direction.inside.iter().map(|(j, _)| *j);
+        terms.filter(|j| fit.parameters[*j].status == Status::ZeroByConvention).map(name).collect::<Vec<_>>()
+    };
+    let mut names: Vec<String> =
+        unseen.chain(fit.unobservable.iter().filter(changes).flat_map(zero)).collect();
+    names.sort();
+    names.dedup();
+    names
 }
 
 fn of_location(effect: &str) -> bool {

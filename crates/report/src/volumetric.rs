@@ -138,7 +138,7 @@ pub fn location_rows(errors: &[LocationError]) -> Vec<Vec<String>> {
         };
         let remark = match error.without_number.len() {
             0 => String::new(),
-            _ => format!("without {}: not seen, or zero by convention", error.without_number.join(", ")),
+            _ => format!("these runs give no number to {}", error.without_number.join(", ")),
         };
         vec![error.symbol.clone(), value, u, remark]
     }));

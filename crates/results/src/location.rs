@@ -23,13 +23,13 @@ pub struct LocationError {
     pub axis: String,
     /// Against what: an axis, or `machine`.
     pub against: String,
-    /// Value in `unit`; null when it contains what the runs do not observe.
+    /// Value in `unit`; null when it depends on what the runs do not observe.
     pub value: Option<f64>,
     /// Standard uncertainty in `unit`.
     pub u: Option<f64>,
     /// Unit.
     pub unit: String,
-    /// Parameters in it that are zero by convention or not observable.
+    /// Parameters that these runs give no number to and on which it depends: it has no number either.
     pub without_number: Vec<String>,
 }
 

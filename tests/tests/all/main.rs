@@ -17,7 +17,6 @@ mod glossary;
 mod house;
 #[path = "../../../crates/cycles/tests/all/nc/interpreter.rs"]
 mod interpreter;
-mod late_rows;
 mod licences;
 mod load;
 mod many_cycles;
@@ -26,6 +25,7 @@ mod nc_program_measured;
 mod nest_uncertainty;
 mod opcua_controller;
 mod opcua_replies;
+mod plausible_runs;
 mod prediction_bands;
 mod schemes;
 mod service;

@@ -3,7 +3,8 @@
 //! e(q) = a cos Nq + b sin Nq, N cycles a turn                   [S4 table 2: "pitch error in transmission mechanism (e.g. worm gear)"]
 //! N: any number that the residual shows; 3…12 (harmonics of the wheel) and, where the machine file gives gear_teeth, the teeth, one more
 //! and one fewer, and their double, are tried in any case.
-//! Limits: on a grid of poses with step Δ, N is the same as 2π/Δ ± N: only N ≤ π/Δ is tried, teeth need on-the-fly data.
+//! Limits: on a grid of poses with step Δ, N is the same as 2π/Δ ± N: only N ≤ π/Δ is tried, and the teeth, which a machine has at any step:
+//! they look like a few cycles a turn there, and are then confounded with what else has these.
 
 use crate::subjects::{axis_of, every_rotary};
 use crate::{
@@ -64,12 +65,13 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
 
 fn shapes(scene: &Scene, subject: Subject) -> Shapes {
     let mut cycles: Vec<f64> = (3..=12).map(f64::from).collect();
-    if let Some(teeth) = axis_of(&scene.machine, subject).and_then(|axis| axis.facts.gear_teeth) {
+    let teeth = axis_of(&scene.machine, subject).and_then(|axis| axis.facts.gear_teeth);
+    if let Some(teeth) = teeth {
         cycles.extend([teeth - 1.0, teeth, teeth + 1.0, 2.0 * teeth].into_iter().filter(|n| *n > 12.0));
     }
     if let Some(axis) = axis_of(&scene.machine, subject) {
         let most = scene.most_cycles(axis.letter) + 1e-6;
-        cycles.retain(|n| *n <= most.max(FEWEST));
+        cycles.retain(|n| *n <= most.max(FEWEST) || Some(*n) == teeth);
     }
     let known = Shapes::one("cycles_per_turn", cycles, false);
     match axis_of(&scene.machine, subject) {

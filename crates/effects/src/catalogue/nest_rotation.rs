@@ -4,7 +4,8 @@
 //! Limits: three-component instruments; visible only as far as the probes are deflected.
 
 use crate::{
-    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+    About, Effect, Emit, Example, Golden, Limit, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit,
+    View,
 };
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
@@ -52,12 +53,16 @@ pub(crate) static EFFECT: Effect = Effect {
     },
 };
 
+/// 10°, from which on a nest is mounted the wrong way, which the plausibility of the runs tries; the equation is of small turns.
+const TURN: Limit =
+    Limit { largest: 174_533.0, beyond: "a nest that far askew is seen by eye", resembles: true };
+
 fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
     let three_components = scene.setups.iter().any(|setup| setup.components.len() == 3);
     if !three_components || scene.deflection_mm.amax() <= 1e-9 {
         return Vec::new();
     }
-    ["a", "b", "c"].map(|name| Parameter::new(name, Unit::URAD)).into()
+    ["a", "b", "c"].map(|name| Parameter::new(name, Unit::URAD).at_most(TURN)).into()
 }
 
 fn motions(_: &Scene, _: Subject, _: &[f64], state: &State, emit: Emit<'_>) {

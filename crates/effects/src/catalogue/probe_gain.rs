@@ -58,6 +58,7 @@ const GAIN: Limit = Limit {
     largest: 500.0,
     beyond: "the readings do not follow the recorded positions to the last micrometre: those may be rounded, or asked for \
              instead of read",
+    resembles: false,
 };
 
 /// Names of the components of a reading; a ball bar has the first only.

@@ -70,6 +70,7 @@ fn expansion(scene: &Scene) -> Limit {
         largest: ALUMINIUM * 2.0 * travel_mm,
         beyond: "no material expands so much on a machine of this size; the temperatures do not show what warms: sensors that \
                  rise together, or none at the source",
+        resembles: false,
     }
 }
 

@@ -53,6 +53,9 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
     let listed = context.listed();
     let refits = kept.refits(&listed);
     let explained = refits.explained(problem);
+    if let Some((effect, why)) = kept.only_resembles(&listed, &refits) {
+        return Ok(Answer::Resembles { effect, why });
+    }
     if let Some((effect, why)) = kept.not_the_cause(&listed, &refits.candidates) {
         return Ok(Answer::Without { with: kept.found_with(&effect), effect, why });
     }
@@ -76,7 +79,9 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         // Something was found that cannot be added.
         (true, false) => (Verdict::UnnamedStructure, String::new(), String::new()),
     };
-    let unfitted = refits.unfitted.iter().map(Unfitted::words);
+    // What was only listed, and no model holds, is no part of the answer.
+    let found_ids: Vec<String> = kept.set().into_iter().map(|entry| entry.id).collect();
+    let unfitted = refits.unfitted.iter().filter(|one| one.is_among(&found_ids)).map(Unfitted::words);
     let remains = refits.all_found().filter(|_| verdict == Verdict::MissingEffect);
     let remains = remains.and_then(|refit| context.what_remains(refit));
     let of_sign = kept.meaning_of_sign(&listed, &refits.candidates);
@@ -138,6 +143,12 @@ pub enum Answer {
         why: String,
         /// What was found together with it: only this is not what it leaves behind.
         with: Vec<String>,
+    },
+    /// Search again without this effect, which only resembles another: it cannot be in a model, or not at that size.
+    Resembles {
+        effect: String,
+        /// Of weight where nothing else is found.
+        why: String,
     },
     /// Search again and do not add this effect: a model that has it next to the others that were found is no better.
     NotAdded {
@@ -272,14 +283,15 @@ impl Context<'_> {
     /// Nothing structured remains with this item alone: it is all that was found, or fits as well as all that was found.
     fn adequate(&self, item: &Item) -> bool {
         let all_found = match &self.found.items[..] {
-            [only] => only.what == item.what && self.found.further.ncols() == 0,
+            [only] => only.what == item.what,
             _ => false,
         };
         let like_all_found = || {
             let readings = self.scan.remainder.y.len() as f64;
             readings * (self.scan.left(&item.columns) / self.floor_mm).ln() < CONFUSED_LN
         };
-        self.is_all() && (all_found || like_all_found())
+        // A second shape is no part of a model with it.
+        self.found.further.ncols() == 0 && self.is_all() && (all_found || like_all_found())
     }
 
     /// Nothing structured remains with all that was found, and all of it has names.

@@ -18,7 +18,7 @@ use crate::problem::experiment::Experiment;
 use nalgebra::DMatrix;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::um;
-use trunnion_core::statistics::upper_median;
+use trunnion_core::statistics::quantile;
 
 /// Every machine has repeatable motions; up to this times the noise of a single reading they are no finding.
 const NATURAL_PATTERN: f64 = 1.5;
@@ -27,6 +27,10 @@ const NATURAL_PATTERN: f64 = 1.5;
 const LARGER_PART: f64 = 0.5;
 /// An effect is noticed in half of the cases where ½ z² reaches its price, almost always at 1.4 times that.
 const ALMOST_ALWAYS: f64 = 1.4;
+/// Share of the visible effects that the stated size holds for; what the learned noise nearly hides is not usual.
+const MOST_EFFECTS: f64 = 0.8;
+/// Directions of the parameters of an effect that the model imitates but for so little, of mean square, are not seen.
+const IMITATED: f64 = 1e-6;
 /// Usual size of an effect over the white noise: the lower median of the eight sizes that every effect is weighed at
 /// [docs/decisions/0002-thresholds-of-model-comparison.md]. At half or double of it the size that would have been noticed changes by 3 to
 /// 7 %: ½ ln 4 for each direction in a price of 11 (one direction) to 31 (six).
@@ -220,8 +224,8 @@ fn any_effect_ln(scan: &Scan<'_>, found: &Found) -> f64 {
     terms.sum::<f64>().ln()
 }
 
-/// The size of a usual effect that would almost always have been noticed, µm rms of what the model leaves of it: the median over the
-/// visible effects. ½ z² must reach the price of the name and of its size.
+/// The size of a usual effect that would almost always have been noticed, µm rms of what the model leaves of it: what [`MOST_EFFECTS`] of the
+/// visible effects reach in the direction of their parameters that is seen worst. ½ z² must reach the price of the name and of its size.
 pub fn noticeable_um(scan: &Scan<'_>, found: &Found, claim_ln: f64) -> Option<f64> {
     let here = &found.last.null.here;
     let basis = found.last.basis.map(f64::from);
@@ -238,16 +242,30 @@ pub fn noticeable_um(scan: &Scan<'_>, found: &Found, claim_ln: f64) -> Option<f6
                 return None;
             }
             let left = &columns - &basis * basis.tr_mul(&columns);
-            let seen = left.norm_squared() / columns.nrows() as f64;
+            let seen = left.tr_mul(&left) / columns.nrows() as f64;
             let single: DMatrix<crate::noise::learned::Real> = turned(&columns).cast();
             let gram = here.grams(&single, &[single.ncols()]).remove(0);
             let eigen = ((&gram + gram.transpose()) * 0.5).symmetric_eigenvalues();
             let of_size: f64 =
                 eigen.iter().map(|l| 0.5 * ((PRICE_OF_SIZE * white).powi(2) * l.max(0.0)).ln_1p()).sum();
             let price = (scan.named.len() as f64).ln() + claim_ln + of_size;
-            let information = gram.trace();
-            (information > 0.0).then(|| (2.0 * price * seen / information).sqrt())
+            let information = least_ratio(&gram, &seen)?;
+            (information > 0.0).then(|| (2.0 * price / information).sqrt())
         })
         .collect();
-    upper_median(&sizes).map(|size| um_from_mm(ALMOST_ALWAYS * size * scan.remainder.unit_mm))
+    quantile(&sizes, MOST_EFFECTS).map(|size| um_from_mm(ALMOST_ALWAYS * size * scan.remainder.unit_mm))
+}
+
+/// The least information, over the directions of the parameters of an effect, that a unit of mean square left in the readings gives.
+fn least_ratio(gram: &DMatrix<f64>, seen: &DMatrix<f64>) -> Option<f64> {
+    let seen = seen.clone().symmetric_eigen();
+    let most = seen.eigenvalues.iter().copied().fold(0.0, f64::max);
+    let kept: Vec<usize> =
+        (0..seen.eigenvalues.len()).filter(|&k| seen.eigenvalues[k] > IMITATED * most).collect();
+    let unit = DMatrix::from_fn(seen.eigenvectors.nrows(), kept.len(), |i, k| {
+        seen.eigenvectors[(i, kept[k])] / seen.eigenvalues[kept[k]].sqrt()
+    });
+    let information = unit.tr_mul(&(gram * &unit));
+    let symmetric = (&information + information.transpose()) * 0.5;
+    symmetric.symmetric_eigenvalues().iter().copied().reduce(f64::min)
 }

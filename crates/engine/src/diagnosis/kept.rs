@@ -132,8 +132,25 @@ impl<'a> Kept<'a> {
             let display = self.scan.remainder.coarse_display.as_ref();
             let within_display = || refit.within_step(instance, scene, display?.step_mm);
             let unseen = || refit.unseen(instance);
-            let why = refit.beyond_physical(instance, scene).or_else(within_display).or_else(unseen)?;
+            let beyond = refit.beyond_physical(instance, scene, false);
+            let why = beyond.or_else(within_display).or_else(unseen)?;
             Some((instance.id(), why))
+        })
+    }
+
+    /// The first that was found and only resembles another, and why: no model holds it, or none at that size.
+    pub fn only_resembles(&self, listed: &[(usize, Item)], refits: &Refits) -> Option<(String, String)> {
+        let scene = &self.problem.experiment().scene;
+        let mut of_size = self.found_refits(listed, &refits.candidates);
+        let too_large = of_size.find_map(|(instance, refit)| {
+            Some((instance.id(), refit.beyond_physical(instance, scene, true)?))
+        });
+        too_large.or_else(|| {
+            let mut ids = self.names().map(|group| self.scan.named[group].instance.id());
+            ids.find_map(|id| {
+                let failed = refits.unfitted.iter().find(|unfitted| unfitted.is_of(&id))?;
+                Some((id, failed.words()))
+            })
         })
     }
 

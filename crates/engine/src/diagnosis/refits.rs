@@ -30,6 +30,16 @@ pub struct Unfitted {
 }
 
 impl Unfitted {
+    /// Whether all of it is among these.
+    pub fn is_among(&self, ids: &[String]) -> bool {
+        self.added.iter().all(|entry| ids.contains(&entry.id))
+    }
+
+    /// Whether it is this effect alone.
+    pub fn is_of(&self, id: &str) -> bool {
+        matches!(&self.added[..], [only] if only.id == id)
+    }
+
     /// What cannot be fitted, and why.
     pub fn words(&self) -> String {
         let ids: Vec<&str> = self.added.iter().map(|entry| entry.id.as_str()).collect();
@@ -115,13 +125,14 @@ impl Refit {
         self.added.iter().any(|entry| entry.id == id)
     }
 
-    /// Why what was added cannot be the cause: the first parameter of `instance` that is larger than its cause allows.
-    pub fn beyond_physical(&self, instance: &Instance, scene: &Scene) -> Option<String> {
+    /// Why what was added cannot be the cause: the first parameter of `instance` that is larger than its cause allows, of the limits of one
+    /// sort.
+    pub fn beyond_physical(&self, instance: &Instance, scene: &Scene, resembles: bool) -> Option<String> {
         let id = instance.id();
         let fitted: Vec<_> =
             self.fit.parameters.iter().filter(|p| p.effect == id && p.stands_alone()).collect();
         instance.parameters(scene).into_iter().find_map(|parameter| {
-            let limit = parameter.limit?;
+            let limit = parameter.limit.filter(|limit| limit.resembles == resembles)?;
             let found = fitted.iter().find(|fitted| fitted.name == parameter.name)?;
             let value = found.screen_value()?;
             limit.is_exceeded(value).then(|| {

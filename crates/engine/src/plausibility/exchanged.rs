@@ -3,6 +3,7 @@
 mod at_a_point;
 mod axes;
 mod parts;
+mod physics;
 mod scaled;
 mod turning;
 mod unsettled;
@@ -50,7 +51,8 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     let least_mm = tried.iter().map(|(_, left_mm)| *left_mm).fold(f64::INFINITY, f64::min);
     let (mistake, left_mm) = tried.into_iter().find(|(_, left_mm)| *left_mm <= AS_GOOD * least_mm)?;
     let left_um = um_from_mm(left_mm);
-    (BELIEVED * left_um < before_um).then(|| Implausible {
+    let is_believed = BELIEVED * left_um < before_um && trial.of_an_axis_mm() > AS_GOOD * left_mm;
+    is_believed.then(|| Implausible {
         finding: format!(
             "{}: the readings do not fit their positions: {before_um:.1} µm rms are left.",
             run.name
@@ -62,7 +64,7 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
 
 /// Readings on the fly that are one row late or early. A row is a step of some degrees, by which errors of micrometres hardly change: what is
 /// left is never gross. It is named where the shifted readings fit as well as they repeat: physics would have to be, at every angle and
-/// feed, what one row makes of all other errors. No hidden physics of four sizes was taken for it (tests/tests/all/late_rows.rs).
+/// feed, what one row makes of all other errors. No hidden physics of four sizes was taken for it (tests/tests/all/plausible_runs.rs).
 pub(super) fn by_one_row(looked: &Looked) -> Option<Implausible> {
     let Looked { run, experiment, model, .. } = looked;
     if run.kind != RunKind::OnTheFly {

@@ -145,6 +145,7 @@ fn doubts_and_places_of_a_report_are_of_one_language() {
         largest: 50.0,
         beyond: "no material expands so much on a machine of this size; the \
         temperatures do not show what warms: sensors that rise together, or none at the source",
+        resembles: false,
     };
     let reasons = [
         Why::Collinear { condition_index: 41.0 },

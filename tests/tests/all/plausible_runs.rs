@@ -1,4 +1,4 @@
-//! Sweeps whose readings belong to the row before: named, and no good sweep with whatever physics is taken for one.
+//! Good runs with whatever physics are plausible; sweeps whose readings belong to the row before are named.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -11,6 +11,13 @@ use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, Virtua
 use trunnion_machine::shipped;
 
 const CYCLE: &str = include_str!("../../../config/cycles/r-test-sweep-c.toml");
+/// Machines with a cycle at rest each; of a head, how much farther below its axes the ball is: a long tool.
+const AT_REST: [(&str, &str, f64); 4] = [
+    ("table-bc", include_str!("../../../config/cycles/r-test-static.toml"), 0.0),
+    ("head-a-table-c", include_str!("../../../config/cycles/r-test-head-a-table-c.toml"), 0.0),
+    ("head-a-table-c", include_str!("../../../config/cycles/r-test-head-a-table-c.toml"), 150.0),
+    ("head-bc", include_str!("../../../config/cycles/r-test-head-bc.toml"), 100.0),
+];
 /// Machines, each with its errors of place and settings.
 const SEEDS: u64 = 40;
 /// White noise of a point, mm.
@@ -20,10 +27,23 @@ const SIZES: [f64; 4] = [0.05, 0.1, 0.3, 1.0];
 
 /// A sweep of 3° a row at the slower feed.
 fn swept(seed: u64, hidden: &[HiddenChoice]) -> Option<Run> {
-    let machine = shipped::machine("table-bc").unwrap();
-    let cycle = Cycle::parse("sweep.toml", CYCLE).unwrap();
-    let of = |setup: &trunnion_core::Setup| {
-        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::R_TEST)
+    measured("table-bc", CYCLE, 0.0, seed, hidden)
+}
+
+/// A run on a drawn machine, the ball of its setups so far below the axes of a head; none where the machine cannot have what is hidden.
+fn measured(
+    machine: &str,
+    cycle: &str,
+    below_axes_mm: f64,
+    seed: u64,
+    hidden: &[HiddenChoice],
+) -> Option<Run> {
+    let machine = shipped::machine(machine).unwrap();
+    let mut cycle = Cycle::parse("cycle.toml", cycle).unwrap();
+    cycle.setups.iter_mut().for_each(|setup| setup.ball_in_tool_mm.z -= below_axes_mm);
+    let of = |setup: &trunnion_core::Setup| SimSetup {
+        ball_in_tool_mm: setup.ball_in_tool_mm,
+        ..SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::R_TEST)
     };
     let setups: Vec<SimSetup> = cycle.setups.iter().map(of).collect();
     let truth = Truth::draw(&machine, &setups, hidden, 60.0, seed).ok()?;
@@ -88,4 +108,23 @@ fn no_physics_of_a_good_sweep_is_taken_for_a_late_row() {
         }
     }
     assert!(looked > 40, "{looked} runs say little");
+}
+
+/// A free angle of the nest and a long tool let a scale of Y look like a nest mounted turned.
+#[test]
+fn no_physics_of_a_good_run_at_rest_is_taken_for_a_mistake() {
+    let mut looked = 0;
+    for (machine, cycle, below_axes_mm) in AT_REST {
+        for id in ids() {
+            for (seed, sigma) in (200..).zip([1.0, 3.0, 10.0]) {
+                let hidden = [HiddenChoice { id: id.clone(), sigma }];
+                let Some(run) = measured(machine, cycle, below_axes_mm, seed, &hidden) else { continue };
+                let found = implausible(&[run]);
+                let named = found.iter().find(|one| one.hypothesis.contains("Change it?"));
+                assert_eq!(named, None, "{machine}, {id} of {sigma}, seed {seed}");
+                looked += 1;
+            }
+        }
+    }
+    assert!(looked > 200, "{looked} runs say little");
 }
