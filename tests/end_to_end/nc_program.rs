@@ -44,6 +44,25 @@ fn json_holds_the_program_and_the_poses_it_must_visit() {
 }
 
 #[test]
+fn a_program_runs_with_tool_centre_point_control_where_it_is_asked_for() {
+    let cycle = cycle("r-test-static.toml");
+    for (dialect, on) in
+        [("siemens", "\nTRAORI\n"), ("fanuc", "\nG43.4 H1 X"), ("heidenhain", "FUNCTION TCPM")]
+    {
+        let text = |more: &[&str]| {
+            String::from_utf8(trunnion(&[&[&cycle, "--dialect", dialect], more].concat()).stdout).unwrap()
+        };
+        assert!(text(&["--tcp"]).contains(on) && !text(&[]).contains(on), "{dialect}");
+    }
+    let output = trunnion(&[&cycle, "--dialect", "linuxcnc", "--tcp"]);
+    let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(
+        reported.contains("linuxcnc has no tool centre point control here: leave --tcp out"),
+        "{reported}"
+    );
+}
+
+#[test]
 fn what_cannot_be_written_is_refused_with_what_is_allowed() {
     let refused = |args: &[&str], expected: &str| {
         let output = trunnion(args);

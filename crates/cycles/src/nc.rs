@@ -2,7 +2,8 @@
 //!
 //! [`Program`] is the same for every dialect: straight moves of all axes with a feed or a duration, dwells, stops with a
 //! word to the operator. Tool-point following (TCP, RTCP, TRAORI, M128) stays off: the program moves every axis itself, so
-//! that what is measured is the machine and not the controller's model of it.
+//! that what is measured is the machine and not the controller's model of it. Where that model is what is measured, as a correction that
+//! acts in it, `CourseRules::tool_point` switches it on.
 
 mod compose;
 mod dialect;
@@ -11,9 +12,10 @@ mod heidenhain;
 mod linuxcnc;
 mod program;
 mod siemens;
+mod tool_point;
 mod words;
 
-pub use dialect::Dialect;
+pub use dialect::{Dialect, ToolPoint};
 
 pub use program::{Block, Program};
 

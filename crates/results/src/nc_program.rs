@@ -17,6 +17,9 @@ pub struct NcProgram {
     pub minutes: f64,
     /// Largest distance of the straight blocks of a sweep from its path, µm.
     pub chord_um: f64,
+    /// True where it runs with tool centre point control of the machine.
+    #[serde(default)]
+    pub tcp: bool,
     /// Poses in order: `x_mm`, `c_deg`, …, and where a pose is read in motion its speeds `vx_mm_per_s`, `vc_deg_per_s`, ….
     pub visits: Vec<BTreeMap<String, f64>>,
     /// The program.

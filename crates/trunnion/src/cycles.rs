@@ -49,7 +49,8 @@ pub fn preview(path: &Path) -> Result<results::Preview, Error> {
 /// The NC program of a cycle file; without `decimals` as many as such controllers usually take.
 ///
 /// # Errors
-/// As [`load`]; a machine whose controller moves no single axes; a cycle that its machine cannot run.
+/// As [`load`]; a machine whose controller moves no single axes; a cycle that its machine cannot run; a dialect without the tool centre point control that
+/// `rules` ask for.
 pub fn nc_program(
     path: &Path,
     dialect: &Dialect,
@@ -59,6 +60,9 @@ pub fn nc_program(
     let (cycle, machine) = load(path)?;
     if machine.tripod.is_some() {
         return Err(Error::Legs { machine: machine.name });
+    }
+    if rules.tool_point && dialect.tool_point.is_none() {
+        return Err(Error::NoToolPoint { dialect: dialect.name });
     }
     let program = Program::of_cycle(&cycle, &machine, rules)?;
     let visits = cycle.visits(&machine, &rules.pace)?.states;

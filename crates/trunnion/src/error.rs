@@ -152,6 +152,12 @@ pub enum Error {
         /// Name of the machine.
         machine: String,
     },
+    /// A dialect without tool centre point control.
+    #[error("{dialect} has no tool centre point control here: leave --tcp out")]
+    NoToolPoint {
+        /// Name of the dialect.
+        dialect: &'static str,
+    },
     /// A recording that cannot be written.
     #[error("cannot write {}", path.display())]
     NotRecorded {

@@ -13,7 +13,8 @@ use trunnion_core::{State, convert};
 /// Write a cycle as an NC program
 ///
 /// The program moves every axis itself: switch tool-point following (TCP, RTCP, TRAORI, M128) off. Its header says what to
-/// check before the start; it stops where ball, nest or bar have to be mounted.
+/// check before the start; it stops where ball, nest or bar have to be mounted. With --tcp it leaves the linear axes to the
+/// control: what acts in the transformation alone, as most corrections do, then shows.
 ///
 /// Example: trunnion nc-program config/cycles/r-test-static.toml --dialect siemens -o r-test.mpf
 #[derive(clap::Args)]
@@ -39,6 +40,9 @@ pub struct Args {
     /// Decimals of positions in mm and degrees; without it what such controllers usually take
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=9))]
     decimals: Option<u8>,
+    /// Run with tool centre point control (TRAORI, G43.4, TCPM): fanuc, heidenhain, siemens
+    #[arg(long)]
+    tcp: bool,
     /// Print JSON (format trunnion-nc-program/1) with the program and the poses it must visit
     #[arg(long, conflicts_with = "output")]
     json: bool,
@@ -60,6 +64,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             dialect: dialect.name.into(),
             minutes: program.duration_s / 60.0,
             chord_um: args.chord_um,
+            tcp: args.tcp,
             visits: program.visits.iter().map(|state| visit(&program.machine, state)).collect(),
             program: program.text,
         })?;
@@ -95,6 +100,7 @@ fn rules(args: &Args) -> anyhow::Result<CourseRules> {
         chord_mm: convert::mm_from_um(args.chord_um),
         dwell_s: args.dwell_s,
         clearance_mm: args.clearance_mm,
+        tool_point: args.tcp,
         ..CourseRules::default()
     })
 }

@@ -163,13 +163,13 @@ impl Cycle {
         Ok(())
     }
 
-    pub(super) fn cannot_follow(&self, machine: &Machine, setup: usize) -> VisitError {
+    pub(crate) fn cannot_follow(&self, machine: &Machine, setup: usize) -> VisitError {
         VisitError::CannotFollow { machine: machine.name.clone(), setup: self.setups[setup].name.clone() }
     }
 
     /// # Errors
     /// An axis beyond its travel.
-    pub(super) fn within_travel(
+    pub(crate) fn within_travel(
         &self,
         machine: &Machine,
         position: &AxisValues<f64>,

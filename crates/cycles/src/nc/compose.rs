@@ -1,11 +1,12 @@
 //! From the steps of a cycle to the blocks of a program, with a header that says what has to be right before the start.
 
 use super::program::{Block, Program, Target};
+use super::tool_point;
 use crate::{CourseRules, Step, VisitError};
 use crate::{Cycle, RunKind};
 use nalgebra::Point3;
 use trunnion_core::{AxisValues, InstrumentKind, Joint, NestSide, Setup, convert};
-use trunnion_machine::{Axis, Machine, Side};
+use trunnion_machine::{Axis, JointErrors, Machine, Side};
 
 /// Feed of the free spindle, mm/min.
 const FREE_MM_PER_MIN: f64 = 2000.0;
@@ -19,24 +20,39 @@ impl Program {
     /// spindle, in machine axes.
     ///
     /// # Errors
-    /// A cycle that the machine cannot run.
+    /// A cycle that the machine cannot run; with tool centre point control one without rotary axes.
     pub fn of_cycle(cycle: &Cycle, machine: &Machine, rules: &CourseRules) -> Result<Self, VisitError> {
         let steps = cycle.course(machine, rules)?;
-        let mut writer =
-            Writer { cycle, machine, blocks: Vec::new(), seconds: 0.0, shortest_s: None, at: None };
+        if rules.tool_point {
+            tool_point::possible(cycle, machine)?;
+        }
+        let mut writer = Writer {
+            cycle,
+            machine,
+            rules,
+            blocks: Vec::new(),
+            seconds: 0.0,
+            shortest_s: None,
+            at: None,
+            keeps_tool_point: false,
+        };
         for step in &steps {
-            writer.step(step);
+            writer.step(step)?;
+        }
+        if writer.keeps_tool_point {
+            writer.blocks.push(Block::ToolPoint(false));
         }
         let sweeps = steps.iter().any(|step| matches!(step, Step::Sweep { .. }));
         let mut program = Self {
             name: cycle.name.clone(),
             header: Vec::new(),
             tolerance_mm: if sweeps { rules.chord_mm } else { rules.transfer_chord_mm },
+            tool_point: rules.tool_point,
             blocks: writer.blocks,
             duration_s: writer.seconds,
             shortest_block_s: writer.shortest_s,
         };
-        program.header = header(cycle, machine, rules, &program);
+        program.header = header(cycle, machine, rules, &program, clear_mm(cycle, machine, &steps));
         Ok(program)
     }
 }
@@ -44,50 +60,63 @@ impl Program {
 struct Writer<'a> {
     cycle: &'a Cycle,
     machine: &'a Machine,
+    rules: &'a CourseRules,
     blocks: Vec<Block>,
     /// Running time so far, s.
     seconds: f64,
     shortest_s: Option<f64>,
+    /// Where all axes stand; unknown before the first place.
     at: Option<AxisValues<f64>>,
+    /// True while tool centre point control is on.
+    keeps_tool_point: bool,
 }
 
 impl Writer<'_> {
-    fn step(&mut self, step: &Step) {
+    fn step(&mut self, step: &Step) -> Result<(), VisitError> {
         match step {
-            Step::Above { at } => self.above(at),
+            Step::Above { at } => self.above(at)?,
             Step::Fit { setups } => {
                 let setups: Vec<String> =
                     setups.iter().map(|&setup| mounting(&self.cycle.setups[setup])).collect();
                 self.blocks.push(Block::Stop(format!("Mount {}. Then cycle start.", setups.join("; and "))));
             }
             Step::Join { setup, at, attended } => {
-                self.feed(at, &Joint::LINEAR, JOIN_MM_PER_MIN);
+                self.feed(at, &Joint::LINEAR, JOIN_MM_PER_MIN)?;
                 let setup = &self.cycle.setups[*setup];
                 if *attended {
-                    self.blocks.push(Block::Stop(match setup.instrument {
-                        InstrumentKind::RTest => format!(
-                            "Setup {}: all probes in range? Start the recording. Then cycle start.",
-                            setup.name
-                        ),
-                        InstrumentKind::BallBar => format!(
-                            "Setup {}: put the bar between the balls. Start the recording. Then cycle start.",
-                            setup.name
-                        ),
-                        _ => format!("Setup {}: start the recording. Then cycle start.", setup.name),
-                    }));
+                    let first = match setup.instrument {
+                        InstrumentKind::RTest => "all probes in range? ",
+                        InstrumentKind::BallBar => "put the bar between the balls. ",
+                        InstrumentKind::LaserBallBar | InstrumentKind::PassiveArm => {
+                            "connect it to the spindle. "
+                        }
+                        InstrumentKind::CrossGrid => "head at its distance from the plate? ",
+                        _ => "",
+                    };
+                    let start = if first.is_empty() { "start" } else { "Start" };
+                    self.blocks.push(Block::Stop(format!(
+                        "Setup {}: {first}{start} the recording. Then cycle start.",
+                        setup.name
+                    )));
                 }
             }
             Step::Part { setup, to } => {
                 let setup = &self.cycle.setups[*setup];
-                if setup.instrument == InstrumentKind::BallBar {
-                    self.blocks.push(Block::Stop(format!(
-                        "Setup {}: take the bar out. Then cycle start.",
-                        setup.name
-                    )));
+                let held = match setup.instrument {
+                    InstrumentKind::BallBar => Some("take the bar out"),
+                    InstrumentKind::LaserBallBar | InstrumentKind::PassiveArm => {
+                        Some("disconnect it from the spindle")
+                    }
+                    _ => None,
+                };
+                if let Some(held) = held {
+                    self.blocks.push(Block::Stop(format!("Setup {}: {held}. Then cycle start.", setup.name)));
                 }
-                self.feed(to, &Joint::LINEAR, JOIN_MM_PER_MIN);
+                self.feed(to, &Joint::LINEAR, JOIN_MM_PER_MIN)?;
             }
-            Step::Transfer { pieces } => pieces.iter().for_each(|(end, seconds)| self.timed(end, *seconds)),
+            Step::Transfer { pieces } => {
+                pieces.iter().try_for_each(|(end, seconds)| self.timed(end, *seconds))?;
+            }
             Step::Dwell { seconds } => self.dwell(*seconds),
             Step::Wait { seconds, reason } => {
                 self.blocks.push(Block::Remark((*reason).into()));
@@ -95,7 +124,7 @@ impl Writer<'_> {
             }
             Step::SyncMove { axis, pieces } => {
                 self.blocks.push(Block::Remark(format!("synchronisation move of axis {axis}")));
-                pieces.iter().for_each(|(end, seconds)| self.timed(end, *seconds));
+                pieces.iter().try_for_each(|(end, seconds)| self.timed(end, *seconds))?;
             }
             Step::Sweep { turning, feed, piece_s, ends } => {
                 let deg_per_min = convert::deg_from_rad(*feed) * 60.0;
@@ -105,43 +134,93 @@ impl Writer<'_> {
                     piece_s * ends.len() as f64
                 )));
                 self.shortest_s = Some(self.shortest_s.map_or(*piece_s, |shortest| shortest.min(*piece_s)));
-                ends.iter().for_each(|end| self.timed(end, *piece_s));
+                ends.iter().try_for_each(|end| self.timed(end, *piece_s))?;
             }
         }
+        Ok(())
     }
 
-    /// First in height, then the rotary axes, then over the place.
-    fn above(&mut self, at: &AxisValues<f64>) {
+    /// First in height, then the rotary axes, then over the place. Tool centre point control is switched on there, with the rotary axes at zero.
+    fn above(&mut self, at: &AxisValues<f64>) -> Result<(), VisitError> {
+        let first = match self.rules.tool_point && !self.keeps_tool_point {
+            true => {
+                let mut upright = self.programmed(at)?;
+                Joint::ROTARY.into_iter().for_each(|letter| upright[letter] = 0.0);
+                self.cycle.within_travel(self.machine, &upright)?;
+                upright
+            }
+            false => *at,
+        };
         let rising =
             |letter: &Joint| self.machine.axis(*letter).is_some_and(|axis| axis.direction.z.abs() > 0.5);
         let (up, across): (Vec<Joint>, Vec<Joint>) = Joint::LINEAR.into_iter().partition(rising);
-        self.feed(at, &up, FREE_MM_PER_MIN);
-        self.feed(at, &Joint::ROTARY, FREE_DEG_PER_MIN);
-        self.feed(at, &across, FREE_MM_PER_MIN);
+        let across = if self.keeps_tool_point { Joint::LINEAR.to_vec() } else { across };
+        self.feed(&first, &up, FREE_MM_PER_MIN)?;
+        self.turn(&first)?;
+        self.feed(&first, &across, FREE_MM_PER_MIN)?;
+        if self.rules.tool_point && !self.keeps_tool_point {
+            self.blocks.push(Block::ToolPoint(true));
+            self.keeps_tool_point = true;
+            self.turn(at)?;
+        }
+        Ok(())
     }
 
-    fn feed(&mut self, to: &AxisValues<f64>, letters: &[Joint], per_min: f64) {
-        let target = target(self.machine, to, letters);
-        if target.is_empty() {
-            return;
+    /// The rotary axes of the free spindle. Under tool centre point control the tool point goes with the table: a feed would be that of the one or
+    /// the other, by the control, a duration is not.
+    fn turn(&mut self, to: &AxisValues<f64>) -> Result<(), VisitError> {
+        let Some(at) = self.at.filter(|_| self.keeps_tool_point) else {
+            return self.feed(to, &Joint::ROTARY, FREE_DEG_PER_MIN);
+        };
+        let travel = |letter: Joint| convert::deg_from_rad(to[letter] - at[letter]);
+        let seconds = Joint::ROTARY.into_iter().map(travel).fold(0.0, f64::hypot) / FREE_DEG_PER_MIN * 60.0;
+        if seconds == 0.0 {
+            return Ok(());
         }
-        if let Some(at) = &mut self.at {
-            let way = |letter: &Joint| {
-                let travel = to[*letter] - at[*letter];
-                if letter.is_rotary() { convert::deg_from_rad(travel) } else { travel }
-            };
-            self.seconds += letters.iter().map(way).fold(0.0, f64::hypot) / per_min * 60.0;
-            letters.iter().for_each(|&letter| at[letter] = to[letter]);
-        } else if letters.contains(&Joint::X) {
-            self.at = Some(*to);
-        }
-        self.blocks.push(Block::Feed { to: target, per_min });
+        let there = tool_point::turned(self.machine, &at, to).ok_or_else(|| self.cannot_follow())?;
+        self.timed(&there, seconds)
     }
 
-    fn timed(&mut self, to: &AxisValues<f64>, seconds: f64) {
+    fn feed(&mut self, to: &AxisValues<f64>, letters: &[Joint], per_min: f64) -> Result<(), VisitError> {
+        if target(self.machine, to, letters).is_empty() {
+            return Ok(());
+        }
+        let there = match self.at {
+            Some(at) => {
+                let way = |letter: &Joint| {
+                    let travel = to[*letter] - at[*letter];
+                    if letter.is_rotary() { convert::deg_from_rad(travel) } else { travel }
+                };
+                self.seconds += letters.iter().map(way).fold(0.0, f64::hypot) / per_min * 60.0;
+                let mut there = at;
+                letters.iter().for_each(|&letter| there[letter] = to[letter]);
+                Some(there)
+            }
+            None => letters.contains(&Joint::X).then_some(*to),
+        };
+        self.at = there;
+        let to = match there.filter(|_| self.keeps_tool_point) {
+            Some(there) => target(self.machine, &self.programmed(&there)?, &Joint::LINEAR),
+            None => target(self.machine, to, letters),
+        };
+        self.blocks.push(Block::Feed { to, per_min });
+        Ok(())
+    }
+
+    fn timed(&mut self, to: &AxisValues<f64>, seconds: f64) -> Result<(), VisitError> {
         self.seconds += seconds;
         self.at = Some(*to);
-        self.blocks.push(Block::Timed { to: target(self.machine, to, &Joint::ALL), seconds });
+        let written = if self.keeps_tool_point { self.programmed(to)? } else { *to };
+        self.blocks.push(Block::Timed { to: target(self.machine, &written, &Joint::ALL), seconds });
+        Ok(())
+    }
+
+    fn programmed(&self, at: &AxisValues<f64>) -> Result<AxisValues<f64>, VisitError> {
+        tool_point::programmed(self.machine, at).ok_or_else(|| self.cannot_follow())
+    }
+
+    fn cannot_follow(&self) -> VisitError {
+        self.cycle.cannot_follow(self.machine, 0)
     }
 
     fn dwell(&mut self, seconds: f64) {
@@ -160,7 +239,33 @@ fn target(machine: &Machine, position: &AxisValues<f64>, letters: &[Joint]) -> T
     letters.iter().copied().filter(has).map(|letter| (letter, edge(letter))).collect()
 }
 
-fn header(cycle: &Cycle, machine: &Machine, rules: &CourseRules, program: &Program) -> Vec<String> {
+/// How far the free spindle is above the highest ball of the table, mm: the least of its stops.
+fn clear_mm(cycle: &Cycle, machine: &Machine, steps: &[Step]) -> f64 {
+    let none = JointErrors::default();
+    let mut least_mm = f64::INFINITY;
+    let mut above = None;
+    for step in steps {
+        match (step, above) {
+            (Step::Above { at }, _) => above = Some(at),
+            (Step::Join { setup, .. }, Some(at)) => {
+                let ball = |setup: &Setup| (machine.machine_from_table(at, &none) * setup.ball_in_table_mm).z;
+                let highest_mm = cycle.setups.iter().map(ball).fold(f64::NEG_INFINITY, f64::max);
+                let tip = machine.machine_from_tool(at, &none) * cycle.setups[*setup].ball_in_tool_mm;
+                least_mm = least_mm.min(tip.z - highest_mm);
+            }
+            _ => {}
+        }
+    }
+    least_mm
+}
+
+fn header(
+    cycle: &Cycle,
+    machine: &Machine,
+    rules: &CourseRules,
+    program: &Program,
+    clear_mm: f64,
+) -> Vec<String> {
     let mut lines = vec![format!(
         "Measuring cycle {}, machine {}. About {:.0} minutes without stops.",
         cycle.name,
@@ -186,8 +291,10 @@ fn header(cycle: &Cycle, machine: &Machine, rules: &CourseRules, program: &Progr
         false => "the centre of ball or nest in the spindle, on the spindle line",
         true => "the tool point of the machine file; ball or nest stands off it as the setups say",
     };
-    lines
-        .push(format!("1. Tool length and all tool offsets are zero: the programmed point is {programmed}."));
+    lines.push(match program.tool_point {
+        false => format!("1. Tool length and all tool offsets are zero: the programmed point is {programmed}."),
+        true => format!("1. The tool data hold the length of the tool in the spindle, all other offsets are zero: the programmed point is {programmed}."),
+    });
     let centre = machine.rotary().last().map_or("the origin of the machine file".to_string(), |axis| {
         let [x, y, z] = axis.through_mm.coords.into();
         format!(
@@ -200,10 +307,12 @@ fn header(cycle: &Cycle, machine: &Machine, rules: &CourseRules, program: &Progr
         "3. Senses: {}.",
         machine.axes().map(|axis| sense(machine, axis)).collect::<Vec<_>>().join("; ")
     ));
-    lines.push("4. Five-axis transformation and tool-point following (TCP, RTCP, TRAORI, M128) are off; linear axes follow by the program.".into());
+    lines.push(match program.tool_point {
+        false => "4. Five-axis transformation and tool-point following (TCP, RTCP, TRAORI, M128) are off; linear axes follow by the program.",
+        true => "4. The program switches tool centre point control on with the spindle up: positions then are of the programmed point over the table. Run it once without instrument, in single block.",
+    }.into());
     lines.push(format!(
-        "5. Spindle retracted and locked, way free up to {} mm above the highest ball; feed override 100 percent while it measures.",
-        rules.clearance_mm
+        "5. Spindle retracted and locked, way free up to {clear_mm:.0} mm above the highest ball; feed override 100 percent while it measures."
     ));
     lines
 }

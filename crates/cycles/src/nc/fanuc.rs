@@ -4,7 +4,7 @@
 //! G04 P in milliseconds. M00 stops; the comment before it is what the program screen shows. G49 ends tool length
 //! compensation and with it tool centre point control (G43.4, G43.5). Comments take capital letters.
 
-use super::dialect::Dialect;
+use super::dialect::{Dialect, ToolPoint};
 use super::program::{Block, Program};
 use super::words::{Moves, fixed, plain, wrapped};
 
@@ -20,20 +20,36 @@ pub(super) static DIALECT: Dialect = Dialect {
     dwell: "G04 P ms",
     stop: "comment, M00",
     decimals: 3,
+    tool_point: Some(ToolPoint {
+        name: "G43.4 H1",
+        check: "H1 is the length of that tool. Parameter 19696: bit 5 (WKP) 0, positions on the table; bit 6 (RFC) 1, rotary axes at the feed of the program. \
+                No G49 before the spindle is retracted by hand: it may move Z by the length.",
+        source: "FANUC A-79348E, Tool center point control for 5-axis machining, pp. 19, 20, 78",
+    }),
     write,
 };
 
 fn write(program: &Program, decimals: usize) -> String {
     let mut text = format!("%\nO{PROGRAM_NUMBER:04} ({})\n", comment(&program.name));
-    for line in program.header.iter().flat_map(|line| wrapped(&comment(line), 60)) {
+    for line in DIALECT.header(program).iter().flat_map(|line| wrapped(&comment(line), 60)) {
         text += &format!("({line})\n");
     }
-    text += "G21 G17 G90 G94 G40 G49 G80\nG54 G64\n";
     let mut moves = Moves::new(decimals, "G01", 3);
+    text += match program.tool_point {
+        false => "G21 G17 G90 G94 G40 G49 G80\nG54 G64\n",
+        // G49 may move Z by the length: the length acts from the first way up.
+        true => {
+            moves.begins_with("G43 H1 ");
+            "G21 G17 G90 G94 G40 G80\nG54 G64\n"
+        }
+    };
     for block in &program.blocks {
         match block {
             Block::Remark(remark) => text += &lines(remark),
             Block::Stop(message) => text += &format!("{}M00\n", lines(message)),
+            Block::ToolPoint(true) => text += &format!("G43.4 H1{}\n", moves.linear()),
+            // M30 ends it without a move.
+            Block::ToolPoint(false) => {}
             Block::Dwell { seconds } => text += &format!("G04 P{}\n", fixed(seconds * 1e3, 0)),
             Block::Feed { to, per_min } => text += &moves.feed(to, *per_min),
             Block::Timed { to, seconds } => text += &moves.timed(to, *seconds),

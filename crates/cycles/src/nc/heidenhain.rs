@@ -6,7 +6,7 @@
 //! seconds; STOP waits for the operator, who reads the comment before it; cycle 32 bounds the rounding of corners; M127: rotary
 //! axes go where they are commanded, not the shorter way.
 
-use super::dialect::Dialect;
+use super::dialect::{Dialect, ToolPoint};
 use super::program::{Block, Program, Target};
 use super::words::{Words, identifier, plain, short, wrapped};
 
@@ -22,6 +22,11 @@ pub(super) static DIALECT: Dialect = Dialect {
     dwell: "cycle 9",
     stop: "comment, STOP",
     decimals: 4,
+    tool_point: Some(ToolPoint {
+        name: "FUNCTION TCPM",
+        check: "TOOL CALL of that tool before the start; its length refers to the centre of the ball.",
+        source: "TNC 620 User's Manual DIN/ISO 5/2013, p. 340; TNC 426/430 User's Manual, M128 on tilting tables; TNC 640 Klartext: FUNCTION TCPM, FUNCTION RESET TCPM",
+    }),
     write,
 };
 
@@ -29,7 +34,7 @@ fn write(program: &Program, decimals: usize) -> String {
     let name = identifier(&program.name);
     let mut lines = vec![format!("BEGIN PGM {name} MM")];
     lines.extend(comments(&format!("TRUNNION {}", program.name)));
-    lines.extend(program.header.iter().flat_map(|line| comments(line)));
+    lines.extend(DIALECT.header(program).iter().flat_map(|line| comments(line)));
     lines.extend([
         "CYCL DEF 32.0 TOLERANCE".into(),
         format!("CYCL DEF 32.1 T{}", short(program.tolerance_mm, 4)),
@@ -44,6 +49,9 @@ fn write(program: &Program, decimals: usize) -> String {
                 lines.extend(comments(message));
                 lines.push("STOP".into());
             }
+            // F CONT: F is that of the programmed axes, as without; the axes go straight from angle to angle.
+            Block::ToolPoint(true) => lines.push("FUNCTION TCPM F CONT AXIS POS PATHCTRL AXIS".into()),
+            Block::ToolPoint(false) => lines.push("FUNCTION RESET TCPM".into()),
             Block::Dwell { seconds } => lines.extend([
                 "CYCL DEF 9.0 DWELL TIME".into(),
                 format!("CYCL DEF 9.1 DWELL {}", short(*seconds, 3)),

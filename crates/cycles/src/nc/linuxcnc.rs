@@ -16,12 +16,13 @@ pub(super) static DIALECT: Dialect = Dialect {
     dwell: "G4 P s",
     stop: "(MSG,…), M0",
     decimals: 6,
+    tool_point: None,
     write,
 };
 
 fn write(program: &Program, decimals: usize) -> String {
     let mut text = format!("(TRUNNION {})\n", plain(&program.name));
-    for line in program.header.iter().flat_map(|line| wrapped(&plain(line), 100)) {
+    for line in DIALECT.header(program).iter().flat_map(|line| wrapped(&plain(line), 100)) {
         text += &format!("({line})\n");
     }
     text += "G21 G17 G90 G94 G40 G49 G80 G54\n";
@@ -31,6 +32,8 @@ fn write(program: &Program, decimals: usize) -> String {
         match block {
             Block::Remark(remark) => text += &format!("({})\n", plain(remark)),
             Block::Stop(message) => text += &format!("(MSG,{})\nM0\n", plain(message)),
+            // It has none; `Program` is asked for one only where the dialect has it.
+            Block::ToolPoint(_) => {}
             Block::Dwell { seconds } => text += &format!("G4 P{}\n", short(*seconds, 3)),
             Block::Feed { to, per_min } => text += &moves.feed(to, *per_min),
             Block::Timed { to, seconds } => text += &moves.timed(to, *seconds),

@@ -14,6 +14,8 @@ pub struct Program {
     pub header: Vec<String>,
     /// How far a control that rounds corners may leave the programmed points, mm.
     pub tolerance_mm: f64,
+    /// True where the control keeps the tool point over the table (TCP, TRAORI, M128).
+    pub tool_point: bool,
     /// Everything in order.
     pub blocks: Vec<Block>,
     /// Running time without stops, s.
@@ -29,6 +31,9 @@ pub enum Block {
     Remark(String),
     /// The machine waits for the operator, who reads this.
     Stop(String),
+    /// Tool centre point control on or off; nothing moves. Positions after that are of the tool point over the table, by the linear axes with
+    /// the rotary axes at zero.
+    ToolPoint(bool),
     /// Straight; only linear or only rotary axes move.
     Feed {
         /// The axes that may move and where to, mm or degrees.

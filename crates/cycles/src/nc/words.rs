@@ -50,11 +50,24 @@ pub(super) struct Moves {
     /// Decimals of F in 1/min.
     inverse_decimals: usize,
     inverse_time: bool,
+    /// Words before the next move.
+    before: &'static str,
 }
 
 impl Moves {
     pub(super) fn new(decimals: usize, straight: &'static str, inverse_decimals: usize) -> Self {
-        Self { words: Words::new(decimals), straight, inverse_decimals, inverse_time: false }
+        Self { words: Words::new(decimals), straight, inverse_decimals, inverse_time: false, before: "" }
+    }
+
+    /// Words of the next move, before all others.
+    pub(super) fn begins_with(&mut self, words: &'static str) {
+        self.before = words;
+    }
+
+    /// Words of the linear axes where they stand.
+    pub(super) fn linear(&self) -> String {
+        let word = |letter: Joint| Some(format!(" {letter}{}", self.words.written[letter].as_ref()?));
+        Joint::LINEAR.into_iter().filter_map(word).collect()
     }
 
     /// To `to` at a feed; nothing when it is there.
@@ -82,7 +95,8 @@ impl Moves {
         }
         let mode = if self.inverse_time == inverse_time { "" } else { mode };
         self.inverse_time = inverse_time;
-        format!("{mode}{}{axes} F{f}\n", self.straight)
+        let before = std::mem::take(&mut self.before);
+        format!("{before}{mode}{}{axes} F{f}\n", self.straight)
     }
 }
 

@@ -2,6 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+#[path = "nc/clear.rs"]
+mod clear;
 #[path = "nc/interpreter.rs"]
 mod interpreter;
 mod nc_programs;

@@ -1,6 +1,7 @@
 //! NC programs read back by small interpreters that know nothing of the writers.
 
-use crate::interpreter::interpret;
+use crate::clear::keeps_clear;
+use crate::interpreter::{Event, interpret, run};
 use crate::section::{is_writing, write_or_compare};
 use crate::visited::visited;
 use proptest::prelude::*;
@@ -66,7 +67,7 @@ fn coarse() -> CourseRules {
 #[test]
 fn the_registry_holds_every_dialect_file_and_nothing_else() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/nc");
-    let machinery = ["compose", "dialect", "program", "words"];
+    let machinery = ["compose", "dialect", "program", "tool_point", "words"];
     let mut files: Vec<String> = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
@@ -79,7 +80,12 @@ fn the_registry_holds_every_dialect_file_and_nothing_else() {
         "left: names of DIALECTS in crates/cycles/src/nc.rs, in their order; right: the files of its folder"
     );
     for dialect in DIALECTS {
-        for (what, text) in [("controllers", dialect.controllers), ("source", dialect.source)] {
+        let tool_point = dialect.tool_point.as_ref().map_or("none of its own", |own| own.source);
+        for (what, text) in [
+            ("controllers", dialect.controllers),
+            ("source", dialect.source),
+            ("tool centre point control", tool_point),
+        ] {
             assert!(text.len() > 5, "{} says nothing of its {what}", dialect.name);
         }
         assert!((2..=9).contains(&dialect.decimals), "{}", dialect.name);
@@ -89,17 +95,18 @@ fn the_registry_holds_every_dialect_file_and_nothing_else() {
 #[test]
 fn the_guide_lists_the_dialects() {
     let mut table = String::from(
-        "| dialect | controllers | duration of a block | dwell | stop with a word | positions |\n|---|---|---|---|---|---|\n",
+        "| dialect | controllers | duration of a block | dwell | stop with a word | positions | `--tcp` |\n|---|---|---|---|---|---|---|\n",
     );
     for dialect in DIALECTS {
         table += &format!(
-            "| `{}` | {} | {} | {} | {} | {} decimals |\n",
+            "| `{}` | {} | {} | {} | {} | {} decimals | {} |\n",
             dialect.name,
             dialect.controllers,
             dialect.duration,
             dialect.dwell,
             dialect.stop,
-            dialect.decimals
+            dialect.decimals,
+            dialect.tool_point.as_ref().map_or("–", |own| own.name)
         );
     }
     write_or_compare("docs/use/nc-programs.md", "dialects", &table);
@@ -148,6 +155,76 @@ fn the_shipped_cycles_visit_their_poses_in_every_dialect() {
         }
     }
     assert!(count >= 7);
+}
+
+#[test]
+fn under_tool_centre_point_control_the_same_poses_are_visited() {
+    let rules = CourseRules { tool_point: true, ..CourseRules::default() };
+    let mut count = 0;
+    for name in [
+        "r-test-static",
+        "r-test-interleaved",
+        "r-test-sweep-b",
+        "r-test-head-bc",
+        "r-test-head-a-table-c",
+        "s4-b",
+        "bk4-cone",
+    ] {
+        let path = format!("{}/../../config/cycles/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let cycle = Cycle::parse("c.toml", &std::fs::read_to_string(path).unwrap()).unwrap();
+        let machine = machine(&cycle);
+        let program = Program::of_cycle(&cycle, &machine, &rules).unwrap();
+        for dialect in DIALECTS.iter().filter(|dialect| dialect.tool_point.is_some()) {
+            let text = (dialect.write)(&program, 6);
+            let named = |i: usize| format!("{name} as {}, point {i}", dialect.name);
+            let events = moved_by_the_control(&run(dialect.name, &text), &machine, &named(0));
+            visited(&events, &cycle, &machine, &rules, 5, &named);
+            // Over a cone it turns with the table, at the height of the place where the curve begins.
+            if name != "bk4-cone" {
+                keeps_clear(&events, &cycle, &machine, &rules, &named(0));
+            }
+            count += 1;
+        }
+    }
+    assert_eq!(count, 21);
+    // The ball stays at the nest, so nothing but the rotary axes is written.
+    let cycle = Cycle::parse("c.toml", STATIC).unwrap();
+    let program = Program::of_cycle(&cycle, &machine(&cycle), &rules).unwrap();
+    let dialect = trunnion_cycles::nc::dialect("siemens").unwrap();
+    let text = (dialect.write)(&program, 4);
+    let measures = text.split("M0\n").nth(2).unwrap();
+    assert!(measures.contains(" B5.0000") && !measures.split("M30").next().unwrap().contains("X1"), "{text}");
+    let flat = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/cycles/linear-x.toml");
+    let flat = Cycle::parse("c.toml", &std::fs::read_to_string(flat).unwrap()).unwrap();
+    let error = Program::of_cycle(&flat, &machine(&flat), &rules).unwrap_err().to_string();
+    assert!(error.contains("its machine has no rotary axis"), "{error}");
+}
+
+/// What the linear axes do under tool centre point control: they keep the tool point over the table where the program has it, its positions
+/// those of the linear axes with the rotary axes at zero.
+fn moved_by_the_control(events: &[(Event, bool)], machine: &Machine, named: &str) -> Vec<Event> {
+    let none = JointErrors::default();
+    let mut was_on = false;
+    let mut rotary_at_zero = true;
+    let moved = |(event, keeps): &(Event, bool)| {
+        let Event::Move { to, seconds } = event else { return event.clone() };
+        let turned = Joint::ROTARY.iter().any(|letter| to[*letter] != 0.0);
+        assert!(was_on || !keeps || rotary_at_zero, "{named}: switched on with the rotary axes at {to:?}");
+        (was_on, rotary_at_zero) = (*keeps, !turned);
+        if !keeps {
+            return event.clone();
+        }
+        let letters: Vec<(Joint, f64)> = Joint::ALL.iter().map(|&letter| (letter, to[letter])).collect();
+        let asked = inside(&letters);
+        let mut upright = asked;
+        Joint::ROTARY.iter().for_each(|&letter| upright[letter] = 0.0);
+        let tool = machine.machine_from_tool(&upright, &none) * nalgebra::Point3::origin();
+        let place = machine.machine_from_table(&upright, &none).inverse() * tool;
+        let mut at = machine.follow(&asked, &place).unwrap();
+        Joint::ROTARY.iter().for_each(|&letter| at[letter] = to[letter]);
+        Event::Move { to: at, seconds: *seconds }
+    };
+    events.iter().map(moved).collect()
 }
 
 #[test]
@@ -252,6 +329,14 @@ fn check(cycle: &Cycle, rules: &CourseRules) {
             let named =
                 |i: usize| format!("{} as {} with {decimals} decimals, point {i}", cycle.name, dialect.name);
             visited(&events, cycle, &machine, rules, decimals, &named);
+            keeps_clear(&events, cycle, &machine, rules, &named(0));
+            let seconds = |event: &Event| match event {
+                Event::Move { seconds, .. } | Event::Dwell { seconds } => *seconds,
+                Event::Stop(_) => 0.0,
+            };
+            let runs_s: f64 = events.iter().map(seconds).sum();
+            let off = runs_s / program.duration_s - 1.0;
+            assert!(off.abs() < 1e-3, "{}: {runs_s} s, header {} s", named(0), program.duration_s);
         }
     }
 }
@@ -275,7 +360,7 @@ fn stays_together(program: &Program, cycle: &Cycle, machine: &Machine, rules: &C
                 from = Some(to);
             }
             Block::Feed { .. } => from = None,
-            Block::Remark(_) | Block::Stop(_) | Block::Dwell { .. } => {}
+            Block::Remark(_) | Block::Stop(_) | Block::Dwell { .. } | Block::ToolPoint(_) => {}
         }
     }
 }

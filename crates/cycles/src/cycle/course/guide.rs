@@ -1,5 +1,7 @@
 //! Laying out a course: where to go, how to stay together on the way.
 
+mod height;
+
 use super::super::visit::{OVERRUN_MM, OVERRUN_RAD, Sweeping, VisitError};
 use super::super::{Cycle, Leg, Motion};
 use super::step::{CourseRules, Step};
@@ -65,8 +67,8 @@ pub(super) struct Guide<'a> {
     rules: &'a CourseRules,
     /// Where the rotary axes stand while ball and nest come together and part.
     home: AxisValues<f64>,
-    /// Of the free spindle, machine Z, mm.
-    height_mm: f64,
+    /// Of the free spindle's tip over each setup, machine Z, mm.
+    heights_mm: Vec<f64>,
     steps: Vec<Step>,
     joined: Option<Joined>,
     /// Setups that have been mounted and stay so.
@@ -83,8 +85,10 @@ impl<'a> Guide<'a> {
         poses: &[State],
     ) -> Result<Self, VisitError> {
         let (steps, fitted) = (Vec::new(), Vec::new());
-        let mut guide = Self { cycle, machine, rules, home, height_mm: 0.0, steps, joined: None, fitted };
-        guide.height_mm = guide.height_mm(poses)?;
+        let mut guide =
+            Self { cycle, machine, rules, home, heights_mm: Vec::new(), steps, joined: None, fitted };
+        let heights_mm = (0..cycle.setups.len()).map(|setup| guide.height_mm(setup, poses));
+        guide.heights_mm = heights_mm.collect::<Result<_, _>>()?;
         Ok(guide)
     }
 
@@ -299,36 +303,6 @@ impl<'a> Guide<'a> {
             (to[letter] - from[letter]).abs() / limit.map_or(usual, |limit| limit.min(usual))
         };
         self.machine.joints().into_iter().map(of_axis).fold(0.0, f64::max)
-    }
-
-    /// The free spindle: above all balls and all places where it comes down; where the cycle names the linear axes, as high as
-    /// it ever gets.
-    fn height_mm(&self, poses: &[State]) -> Result<f64, VisitError> {
-        if self.cycle.names_linear() {
-            let height_mm = |state: &State| self.tip_in_machine(state.setup, &state.position).z;
-            return Ok(poses.iter().map(height_mm).fold(f64::NEG_INFINITY, f64::max));
-        }
-        let mut highest_mm = f64::NEG_INFINITY;
-        for leg in self.cycle.legs() {
-            let (_, at) = self.start(&leg)?;
-            let (tip, ball) = (self.tip_in_machine(leg.setup, &at), self.ball_in_machine(leg.setup, &at));
-            highest_mm = highest_mm.max(tip.z).max(ball.z);
-        }
-        Ok(highest_mm + self.rules.clearance_mm)
-    }
-
-    /// Straight above a place, at the height of the free spindle or where it is when that is higher.
-    fn above(&self, setup: usize, at: &AxisValues<f64>) -> Result<AxisValues<f64>, VisitError> {
-        let none = JointErrors::default();
-        let mut place = self.machine.machine_from_tool(at, &none) * Point3::origin();
-        place.z += (self.height_mm - self.tip_in_machine(setup, at).z).max(0.0);
-        let place_in_table = self.machine.machine_from_table(at, &none).inverse() * place;
-        let above = self
-            .machine
-            .follow(at, &place_in_table)
-            .ok_or_else(|| self.cycle.cannot_follow(self.machine, setup))?;
-        self.cycle.within_travel(self.machine, &above)?;
-        Ok(above)
     }
 
     /// All axes at a place. `near`: where they stood before.

@@ -18,6 +18,8 @@ pub struct CourseRules {
     pub transfer_rad_per_s: f64,
     /// Height of the retracted spindle above the highest ball, mm.
     pub clearance_mm: f64,
+    /// True where the NC program leaves the linear axes to the tool centre point control of the machine.
+    pub tool_point: bool,
     /// Dwell at a pose at rest, s; `None`: settling and two windows of the cycle.
     pub dwell_s: Option<f64>,
     /// Length of one stroke of the synchronisation move that begins and ends a cycle on the fly, mm.
@@ -37,6 +39,7 @@ impl Default for CourseRules {
             transfer_mm_per_s: 2000.0 / 60.0,
             transfer_rad_per_s: std::f64::consts::TAU * 5.0 / 60.0,
             clearance_mm: 100.0,
+            tool_point: false,
             dwell_s: None,
             stroke_mm: 0.2,
             strokes: 3,

@@ -14,8 +14,15 @@ pub enum Event {
     Stop(String),
 }
 
-/// Runs a program; what the dialect does not know fails.
+/// Runs a program that moves every axis itself; what the dialect does not know fails.
 pub fn interpret(dialect: &str, text: &str) -> Vec<Event> {
+    let run = run(dialect, text);
+    assert!(run.iter().all(|(_, keeps)| !keeps), "tool centre point control is on");
+    run.into_iter().map(|(event, _)| event).collect()
+}
+
+/// What a program does, and whether tool centre point control is on: positions are then of the tool point over the table.
+pub fn run(dialect: &str, text: &str) -> Vec<(Event, bool)> {
     match dialect {
         "fanuc" => iso(&fanuc_lines(text), 1e-3, 'P'),
         "linuxcnc" => iso(&linuxcnc_lines(text), 1.0, 'P'),
@@ -59,7 +66,7 @@ fn bracketed<'a>(lines: impl Iterator<Item = &'a str>) -> Vec<String> {
 }
 
 fn siemens_lines(text: &str) -> Vec<String> {
-    let known = ["TRAFOOF", "MSG("];
+    let known = ["ORIMKS", "MSG("];
     text.lines()
         .filter(|line| !line.starts_with("; ") && !known.iter().any(|word| line.starts_with(word)))
         .map(|line| line.split(" CTOL=").next().unwrap().to_owned())
@@ -67,12 +74,17 @@ fn siemens_lines(text: &str) -> Vec<String> {
 }
 
 /// Blocks of letters and numbers. `dwell_unit_s` is the unit of a G4 with `dwell_word`.
-fn iso(lines: &[String], dwell_unit_s: f64, dwell_word: char) -> Vec<Event> {
+fn iso(lines: &[String], dwell_unit_s: f64, dwell_word: char) -> Vec<(Event, bool)> {
     let mut events = Vec::new();
+    let mut keeps = false;
     let (mut at, mut known) = (AxisValues::<f64>::default(), AxisValues::<bool>::default());
     let (mut inverse_time, mut ended) = (false, false);
     for line in lines {
         assert!(!ended, "something after the end: {line}");
+        if let "TRAORI" | "TRAFOOF" = line.as_str() {
+            keeps = line == "TRAORI";
+            continue;
+        }
         let words: Vec<(char, f64)> = line
             .split_whitespace()
             .map(|word| {
@@ -86,6 +98,13 @@ fn iso(lines: &[String], dwell_unit_s: f64, dwell_word: char) -> Vec<Event> {
             match code {
                 930 => inverse_time = true,
                 940 => inverse_time = false,
+                // G43.4 with the places where the axes stand.
+                434 => {
+                    let stand = |l: &Joint| others.get(&l.as_str().chars().next().unwrap()) == Some(&at[*l]);
+                    assert!(Joint::LINEAR.iter().all(stand) && others[&'H'] == 1.0, "{line} moves");
+                    keeps = true;
+                }
+                430 => assert_eq!(others[&'H'], 1.0, "{line}"),
                 10 | 40 | 170 | 210 | 400 | 490 | 540 | 640 | 800 | 900 | 6420 | 7100 => {}
                 other => panic!(
                     "G{} in {line}: no code of the list above, which changes no position and no time",
@@ -94,11 +113,11 @@ fn iso(lines: &[String], dwell_unit_s: f64, dwell_word: char) -> Vec<Event> {
             }
         }
         if codes.contains(&40) {
-            events.push(Event::Dwell { seconds: others[&dwell_word] * dwell_unit_s });
+            events.push((Event::Dwell { seconds: others[&dwell_word] * dwell_unit_s }, keeps));
             continue;
         }
         match others.get(&'M').map(|m| *m as i64) {
-            Some(0) => events.push(Event::Stop(String::new())),
+            Some(0) => events.push((Event::Stop(String::new()), keeps)),
             Some(2 | 30) => ended = true,
             Some(other) => panic!("M{other} in {line}: only M0, M2 and M30 are read"),
             None => {}
@@ -114,15 +133,16 @@ fn iso(lines: &[String], dwell_unit_s: f64, dwell_word: char) -> Vec<Event> {
             assert!(feed > 0.0 && !target.is_empty(), "{line}");
             let seconds = if inverse_time { 60.0 / feed } else { way(&at, &known, &target) / feed * 60.0 };
             go(&mut at, &mut known, &target);
-            events.push(Event::Move { to: at, seconds });
+            events.push((Event::Move { to: at, seconds }, keeps));
         }
     }
     assert!(ended, "the program does not end");
     events
 }
 
-fn klartext(text: &str) -> Vec<Event> {
+fn klartext(text: &str) -> Vec<(Event, bool)> {
     let mut events = Vec::new();
+    let mut keeps = false;
     let (mut at, mut known) = (AxisValues::<f64>::default(), AxisValues::<bool>::default());
     let count = text.lines().count();
     let mut cycle = 0;
@@ -139,7 +159,7 @@ fn klartext(text: &str) -> Vec<Event> {
                 ["9.0", "DWELL", "TIME"] => cycle = 9,
                 ["9.1", "DWELL", seconds] => {
                     assert_eq!(cycle, 9);
-                    events.push(Event::Dwell { seconds: seconds.parse().unwrap() });
+                    events.push((Event::Dwell { seconds: seconds.parse().unwrap() }, keeps));
                 }
                 ["32.0", "TOLERANCE"] | ["32.1"] => {}
                 ["32.1", tolerance] => assert!(tolerance[1..].parse::<f64>().unwrap() > 0.0),
@@ -156,9 +176,11 @@ fn klartext(text: &str) -> Vec<Event> {
                 .collect();
             let seconds = way(&at, &known, &target) / feed.parse::<f64>().unwrap() * 60.0;
             go(&mut at, &mut known, &target);
-            events.push(Event::Move { to: at, seconds });
+            events.push((Event::Move { to: at, seconds }, keeps));
         } else if block == "STOP" {
-            events.push(Event::Stop(String::new()));
+            events.push((Event::Stop(String::new()), keeps));
+        } else if let "FUNCTION TCPM F CONT AXIS POS PATHCTRL AXIS" | "FUNCTION RESET TCPM" = block {
+            keeps = block != "FUNCTION RESET TCPM";
         } else {
             assert!(block.starts_with("; ") || ["M127", "M129", "M30"].contains(&block), "{line}");
         }
