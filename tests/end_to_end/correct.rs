@@ -177,6 +177,65 @@ fn what_a_control_leaves_is_what_was_expected_and_the_wrong_sign_is_caught() {
 }
 
 #[test]
+fn positions_of_the_drives_are_judged_like_commanded_ones() {
+    let shop = Shop::new(3);
+    let sign = shop.path("sign.toml");
+    let (file, answer) = shop.correct("siemens", &["--although-not-better", "--self-test", &sign]);
+    let program = format!("trunnion nc-program {sign} --dialect siemens --tcp");
+    assert_eq!(answer["self_test"]["program"], program.as_str(), "{answer}");
+    let wrong = shop.with_the_wrong_sign(&file);
+    let measured = |file: Option<&String>| {
+        let more: Vec<&str> = file.map_or(vec![], |file| vec!["--compensation", file.as_str()]);
+        trunnion::open(shop.measure("sign", &[&["--cycle", sign.as_str()], &more[..]].concat())).unwrap()
+    };
+    let without = measured(None);
+    for (file, verdict, share) in
+        [(Some(&file), "right", 1.0), (None, "not-active", 0.0), (Some(&wrong), "wrong", -1.0)]
+    {
+        let run = as_the_drives_stand(
+            &measured(file),
+            &without,
+            &shop.folder.path().join(format!("drives-{verdict}")),
+        );
+        let judged = shop.judge("siemens", &run);
+        assert_eq!(judged["verdict"], verdict, "{judged}");
+        let positions = &judged["positions"];
+        assert!((number(&positions["share"]) - share).abs() < 0.1, "{judged}");
+        assert_eq!(positions["counted"], share != 0.0, "{judged}");
+    }
+}
+
+/// The points of a run with what the correction does added to the positions of the linear axes: what the readings differ by from those without it.
+fn as_the_drives_stand(run: &trunnion::Experiment, without: &trunnion::Experiment, folder: &Path) -> String {
+    let (points, without) = (run.points(), without.points());
+    let mut csv =
+        String::from("setup,time_s,x_mm,y_mm,z_mm,b_deg,c_deg,direction_b,direction_c,dx_um,dy_um,dz_um\n");
+    let setup = &points.setups[points.points[0].state.setup];
+    for (i, (point, other)) in points.points.iter().zip(&without.points).enumerate() {
+        let at = point.state.position;
+        let moved_mm = std::array::from_fn::<f64, 3, _>(|k| point.reading_mm[k] - other.reading_mm[k]);
+        let table = points.machine().machine_from_table(&at, &JointErrors::default()).rotation;
+        let moved_mm = table * nalgebra::Vector3::from(moved_mm);
+        let linear: String = (0..3).map(|k| format!("{:.4},", at[Joint::LINEAR[k]] + moved_mm[k])).collect();
+        let readings = point.reading_mm.map(|mm| format!(",{:.3}", mm * 1e3)).concat();
+        let [b, c] = [Joint::B, Joint::C].map(|joint| at[joint].to_degrees());
+        csv += &format!("{},{},{linear}{b:.4},{c:.4},1,1{readings}\n", setup.name, 5 * i);
+    }
+    let [x, y, z]: [f64; 3] = setup.ball_in_table_mm.coords.into();
+    let setup = format!(
+        "format = \"trunnion-points/1\"\nmachine = \"table-bc\"\n\n[[setup]]\nname = \"{}\"\ninstrument = \"r-test\"\nnest = \"table\"\nball_in_table_mm = [{x:?}, {y:?}, {z:?}]\n",
+        setup.name
+    );
+    std::fs::create_dir(folder).unwrap();
+    std::fs::write(folder.join("setup.toml"), setup).unwrap();
+    let path = folder.join("points.csv");
+    std::fs::write(&path, csv).unwrap();
+    let run = folder.join("run.mcap").display().to_string();
+    trunnion(&["import", &path.display().to_string(), "-o", &run]);
+    run
+}
+
+#[test]
 fn confounded_errors_are_entered_through_one_of_them_and_leave_nothing() {
     // At one ball, what turns once with C in the table may be its encoder, or two lobes of its place or tilt.
     let hidden = ["encoder-eccentricity:C", "radial-error-motion:C", "tilt-error-motion:C"];

@@ -146,6 +146,9 @@ pub struct SelfTest {
     pub poses: Vec<SelfTestPose>,
     /// The cycle file that was written.
     pub cycle: String,
+    /// The command that makes its NC program; null where the values are for no controller that one is written for.
+    #[serde(default)]
+    pub program: Option<String>,
 }
 
 /// Readings at one pose of a self-test, about the mean of all its poses: how the ball was mounted is not in them.
@@ -180,6 +183,21 @@ pub struct CorrectionJudged {
     pub rms_um: f64,
     /// The same as expected without the correction, µm.
     pub without_um: f64,
+    /// What the recorded positions of the linear axes hold of the correction; null where the commanded ones are not known (other instruments than an
+    /// R-test).
+    #[serde(default)]
+    pub positions: Option<PositionShare>,
+}
+
+/// Share of a correction that stands in recorded positions: near 0 in commanded ones, the share that acts in those of the drives.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PositionShare {
+    /// The share.
+    pub share: f64,
+    /// Its standard uncertainty.
+    pub u: f64,
+    /// True where it is sure and not small: the share that acts is then that of readings and positions together.
+    pub counted: bool,
 }
 
 /// Format and version of a judged correction.
@@ -221,6 +239,22 @@ impl SignVerdict {
         let answers = [(1.0, Self::Right), (0.0, Self::NotActive), (-1.0, Self::Wrong)];
         let near = answers.into_iter().find(|(of, _)| (share - of).abs() <= NEAR.max(2.0 * u));
         near.map_or(Self::InPart, |(_, answer)| answer)
+    }
+}
+
+impl SignVerdict {
+    /// The same with what the recorded positions hold. Readings about positions that depart from the commanded ones, and may hold all or nothing
+    /// of the correction, cannot say that it does not act.
+    pub fn of_readings(share: f64, u: f64, positions: Option<PositionShare>) -> Self {
+        match Self::of(share, u) {
+            Self::NotActive
+                if positions
+                    .is_some_and(|positions| Self::of(positions.share, positions.u) == Self::Unclear) =>
+            {
+                Self::Unclear
+            }
+            verdict => verdict,
+        }
     }
 }
 

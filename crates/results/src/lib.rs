@@ -67,7 +67,7 @@ pub use correctable::Correctable;
 pub use corrected::{AroundCorrection, CorrectionEntered};
 pub use correction::{
     CorrectedAxis, Correction, CorrectionFormat, CorrectionJudged, CorrectionJudgedFormat, CorrectionValues,
-    Expected, SelfTest, SelfTestPose, SignCheck, SignVerdict,
+    Expected, PositionShare, SelfTest, SelfTestPose, SignCheck, SignVerdict,
 };
 pub use cycle_topics::{CycleProgress, FailedState, ModelChanged, ModelStep, ReadyNow, ResultNow, RunFailed};
 pub use demo::{Demo, DemoFormat, DemoStep};

@@ -4,8 +4,10 @@
 //! y readings, f₀ exact prediction of the nominal machine with its settings fitted, Δ what the errors in the file change of the readings (to first order).
 //! Expected: rms(z) now, rms(z − c) with the correction, rms(z + c) with the wrong sign.
 //! A run measured with it has z = o + (1 − k) c + noise, o what the other errors of the model change: k = 1 − (z − o)ᵀc / cᵀc, u(k) = s / |c|, s the rms of what remains.
+//! Positions of the drives hold the correction, and readings about them show nothing of it: where they hold it, z is about the commanded ones.
 //! Limits: u(k) takes the readings as independent.
 
+mod positions;
 mod self_test;
 mod shown;
 
@@ -141,13 +143,19 @@ impl Corrected {
             });
         }
         let shown = Shown::new(&self.fit, runs, &self.all, &self.taken)?;
+        let positions = shown.in_positions();
+        let shown = match positions.is_some_and(|positions| positions.counted) {
+            true => shown.about_commanded(),
+            false => shown,
+        };
         let (share, u) = shown.share();
         Ok(results::CorrectionJudged {
             control: self.format.name.into(),
             runs: runs.points().runs.clone(),
             share,
             u,
-            verdict: results::SignVerdict::of(share, u),
+            verdict: results::SignVerdict::of_readings(share, u, positions),
+            positions,
             rms_um: um_from_mm(shown.rms_mm(0.0)),
             without_um: um_from_mm(shown.without_mm()),
             ..results::CorrectionJudged::default()

@@ -5,6 +5,7 @@ use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
+use trunnion::cycles::dialect;
 use trunnion::report::compensation::{FORMATS, Format, Signs, format};
 use trunnion::report::{correction_judged_text, correction_text};
 use trunnion::results::number::plain;
@@ -19,7 +20,7 @@ use trunnion::{Corrected, Fit};
 /// Example: trunnion correct run.mcap --model machine.model.toml --control siemens -o correction.mpf
 ///
 /// The sign, in four poses: trunnion correct run.mcap --control siemens -o correction.mpf --self-test sign.toml;
-/// measure sign.toml with the correction, then trunnion correct run.mcap --control siemens --judge sign.mcap
+/// trunnion nc-program sign.toml --dialect siemens --tcp; run it with the correction, then trunnion correct run.mcap --control siemens --judge sign.mcap
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -81,7 +82,11 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     output::write(path, corrected.text())?;
     let answer = Correction {
-        self_test: args.self_test.as_ref().map(|cycle| self_test(&corrected, cycle)).transpose()?,
+        self_test: args
+            .self_test
+            .as_ref()
+            .map(|cycle| self_test(&corrected, cycle, control.name))
+            .transpose()?,
         ..corrected.results(path.display().to_string())
     };
     if args.json {
@@ -135,10 +140,16 @@ fn better(answer: &Correction) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn self_test(corrected: &Corrected, path: &Path) -> anyhow::Result<SelfTest> {
+fn self_test(corrected: &Corrected, path: &Path, control: &str) -> anyhow::Result<SelfTest> {
     let (answer, cycle) = corrected.self_test()?;
     output::write(path, &cycle)?;
-    Ok(SelfTest { cycle: path.display().to_string(), ..answer })
+    let cycle = path.display().to_string();
+    // What acts in the transformation alone shows under it alone.
+    let program = dialect(control).map(|dialect| {
+        let tcp = if dialect.tool_point.is_some() { " --tcp" } else { "" };
+        format!("trunnion nc-program {cycle} --dialect {}{tcp}", dialect.name)
+    });
+    Ok(SelfTest { cycle, program, ..answer })
 }
 
 fn judge(args: &Args, corrected: &Corrected) -> anyhow::Result<Outcome> {

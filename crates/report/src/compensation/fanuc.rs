@@ -23,7 +23,7 @@ pub(super) static FORMAT: Format = Format {
         "Write down parameters 19680 and 19700 to 19714, or punch all parameters: undoing needs them.",
         "Compare No. 19680 (type of mechanism) with the first lines of the file.",
         "Enable parameter writing (PWE), run the program once in MEM. It adds: a second run would add twice. Without PRM[] in your custom macros, add the numbers by hand.",
-        "They act under tool center point control and tilted working plane only: measure again with a cycle that runs under G43.4.",
+        "They act under tool center point control and tilted working plane only: measure again with a program of `nc-program --tcp`.",
     ],
     undo: &["Enter the old values of Nos. 19700 to 19714."],
     unconfirmed: &[

@@ -22,7 +22,7 @@ pub(super) static FORMAT: Format = Format {
         "Save the kinematics description and the *.CMA and *.COM files (cycle 450 stores the kinematics).",
         "Insert the rows of each block directly before the row MachAxis of its axis. The rows before them must have reached the line of the axis. Without KinematicsComp only rows X, Y, Z of COORD are possible.",
         "Make one *.COM table for each axis with the columns C1 to C6, name it in the *.CMA table and activate its line.",
-        "They act under M128, FUNCTION TCPM and PLANE: measure again with a cycle that runs under M128.",
+        "They act under M128, FUNCTION TCPM and PLANE: measure again with a program of `nc-program --tcp`.",
     ],
     undo: &[
         "Delete the inserted rows and deactivate the line of the *.CMA table, or restore the kinematics with cycle 450.",

@@ -109,6 +109,9 @@ fn self_test(test: &SelfTest) -> String {
         clean(&test.cycle),
         clean(&test.setup)
     );
+    if let Some(program) = &test.program {
+        out += &format!("  NC program: {}\n", clean(program));
+    }
     for pose in &test.poses {
         out += &format!(
             "  {}: now {}; right sign changes it by {}, wrong sign by {}\n",
@@ -134,10 +137,23 @@ pub fn correction_judged_text(answer: &CorrectionJudged) -> String {
         SignVerdict::InPart => {
             "The correction acts by another share than all of it. Check that every value was entered, and each once."
         }
+        SignVerdict::Unclear if SignVerdict::of(answer.share, answer.u) == SignVerdict::NotActive => {
+            "This run cannot say: its positions depart from those of the cycle, and may hold the correction. Record the commanded positions."
+        }
         SignVerdict::Unclear => "This run cannot say: the correction is too small against its noise.",
     };
+    let positions = match answer.positions {
+        Some(positions) if positions.counted => format!(
+            "\nThe recorded positions hold it (share {:.2} ± {:.2}): they are those of the drives. Readings and positions were judged together.",
+            positions.share, positions.u
+        ),
+        None if answer.verdict == SignVerdict::NotActive => {
+            "\nThe positions must be the commanded ones. Positions of the drives hold the correction, and then no reading shows it.".into()
+        }
+        _ => String::new(),
+    };
     format!(
-        "{words}\n{} µm rms with it, {} µm expected without it. Share of the correction that acts: {:.2} ± {:.2} (1 right, 0 not active, -1 wrong sign).\n",
+        "{words}{positions}\n{} µm rms with it, {} µm expected without it. Share of the correction that acts: {:.2} ± {:.2} (1 right, 0 not active, -1 wrong sign).\n",
         plain(answer.rms_um),
         plain(answer.without_um),
         answer.share,

@@ -74,11 +74,12 @@ pub(super) fn self_test(runs: &Experiment, errors: &AxisErrors) -> Result<(SelfT
             })
             .collect(),
         cycle: String::new(),
+        program: None,
     };
     Ok((answer, cycle.to_text()))
 }
 
-fn cycle(runs: &Experiment, setup: &Setup, grid: Vec<GridAxis>) -> Cycle {
+pub(super) fn cycle(runs: &Experiment, setup: &Setup, grid: Vec<GridAxis>) -> Cycle {
     Cycle {
         name: "sign-of-the-correction".into(),
         machine: runs.machine().name.clone(),

@@ -1,5 +1,6 @@
 //! What readings show of the errors in a correction.
 
+use super::positions::{commanded, position_share};
 use crate::prediction::{INDEPENDENT, orthonormal, without_model};
 use crate::{Error, Experiment, Fit};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -10,7 +11,7 @@ use trunnion_effects::Instance;
 use trunnion_instruments::Projector;
 use trunnion_machine::{Machine, Site};
 use trunnion_results::sentences::is_setting;
-use trunnion_results::{AxisErrors, AxisTable, SignCheck};
+use trunnion_results::{AxisErrors, AxisTable, PositionShare, SignCheck};
 
 /// Share of the readings that a correction has to move at least to be seen: rounding of 10⁻¹² mm is none.
 const SEEN_MM: f64 = 1e-9;
@@ -20,6 +21,8 @@ const SEEN_MM: f64 = 1e-9;
 pub(crate) struct Shown {
     /// z, mm.
     readings_mm: DVector<f64>,
+    /// What z would have in addition about the commanded positions, mm; `None` where these are not known.
+    positions_mm: Option<DVector<f64>>,
     /// c, mm.
     errors_mm: DVector<f64>,
     /// What the errors that the control does not get change, projected in the same way, mm.
@@ -76,8 +79,11 @@ impl Shown {
             settings => DMatrix::from_columns(settings),
         };
         let basis = Basis::new(&settings, &rows);
+        let readings_mm = basis.without(without_model(model, points)?);
+        let about_commanded = commanded(runs).map(|points| without_model(model, &points)).transpose()?;
         Ok(Self {
-            readings_mm: basis.without(without_model(model, points)?),
+            positions_mm: about_commanded.map(|values| basis.without(values) - &readings_mm),
+            readings_mm,
             errors_mm: basis.without(moved_mm),
             others_mm: basis.without(others_mm),
             by_point,
@@ -114,17 +120,37 @@ impl Shown {
 
     /// k and its standard uncertainty.
     pub fn share(&self) -> (f64, f64) {
+        let (remaining, u) = self.share_of(&(&self.readings_mm - &self.others_mm));
+        (1.0 - remaining, u)
+    }
+
+    /// The share of the correction that stands in the recorded positions; `None` where the commanded ones are not known.
+    pub fn in_positions(&self) -> Option<PositionShare> {
+        let (share, u) = self.share_of(self.positions_mm.as_ref()?);
+        Some(position_share(-share, u))
+    }
+
+    /// The same readings about the commanded positions.
+    pub fn about_commanded(mut self) -> Self {
+        if let Some(positions_mm) = self.positions_mm.take() {
+            self.readings_mm += positions_mm;
+        }
+        self
+    }
+
+    /// How much of the correction is in these values, and its standard uncertainty.
+    fn share_of(&self, values: &DVector<f64>) -> (f64, f64) {
         let errors_mm = self.errors_mm.select_rows(&self.rows);
         let size = errors_mm.norm_squared();
         if size <= SEEN_MM * SEEN_MM {
-            return (0.0, f64::INFINITY);
+            return (1.0, f64::INFINITY);
         }
-        let readings_mm = (&self.readings_mm - &self.others_mm).select_rows(&self.rows);
-        let remaining = readings_mm.dot(&errors_mm) / size;
-        let left = readings_mm - errors_mm * remaining;
+        let values = values.select_rows(&self.rows);
+        let share = values.dot(&errors_mm) / size;
+        let left = values - errors_mm * share;
         let degrees = self.rows.len().saturating_sub(self.taken + 1).max(1);
         let scatter = (left.norm_squared() / degrees as f64).sqrt();
-        (1.0 - remaining, scatter / size.sqrt())
+        (share, scatter / size.sqrt())
     }
 
     /// Two poses of one setup that the errors separate most, from the one of the two that they change least.
