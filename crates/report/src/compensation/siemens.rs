@@ -1,6 +1,6 @@
 //! SINUMERIK 840D sl: machine data of the generic 5-axis transformation, sag compensation, encoder compensation.
 //!
-//! An NC program that adds to the vectors in the machine data, and fills compensation tables. Rotary axes: offset vectors I1 … I4
+//! An NC program that adds to the vectors in the machine data, and replaces compensation tables: a program cannot know what a table of the builder holds between its own points. Rotary axes: offset vectors I1 … I4
 //! and axis vectors V1, V2 by the table that relates tool carrier and transformation types 24, 40, 56 [SINUMERIK IM9 p. 572]. A
 //! table of encoder compensation holds the error of an axis along itself: a positive value moves the axis in negative direction
 //! [SINUMERIK 808D p. 106]; the shift of the zero of a head's last axis is such a table, the same everywhere. I3 (type 24) and I2 (type 56) begin
@@ -21,21 +21,22 @@ const ANYWHERE_DEG: [f64; 2] = [-360.0, 360.0];
 
 pub(super) static FORMAT: Format = Format {
     name: "siemens",
-    about: "NC program: adds to `$MC_TRAFO5_…`, fills `$AN_CEC` and `$AA_ENC_COMP`",
+    about: "NC program: adds to `$MC_TRAFO5_…`, replaces the tables `$AN_CEC` and `$AA_ENC_COMP`",
     readers: "SINUMERIK 840D sl with TRAORI (types 24, 40, 56)",
     source: "SINUMERIK Operate (IM9) Commissioning Manual 12/2017, 6FC5397-1DP40-6BA1, p. 572; Extended Functions 03/2013, 6FC5397-1BP40-3BA1, K3 §4.4; SINUMERIK 808D Function Manual 01/2017, p. 106",
     ending: "mpf",
     signs: Signs::OfTheControl,
     enter: &[
         "Archive the machine data and the compensation tables of the control first: undoing needs them.",
-        "Reserve the tables: MD38000 MM_ENC_COMP_MAX_POINTS and MD18342 MM_CEC_MAX_POINTS at least as large as the rows; switch MD32700 ENC_COMP_ENABLE and MD32710 CEC_ENABLE off.",
+        "Look at MD32700 ENC_COMP_ENABLE and MD32710 CEC_ENABLE of the axes in the tables. Where one is on, a table of the builder acts, and the file would replace it: add its values (from the archive) to those of the file, point by point, before you run it.",
+        "Reserve the tables: MD38000 MM_ENC_COMP_MAX_POINTS and MD18342 MM_CEC_MAX_POINTS at least as large as the rows; switch MD32700 and MD32710 off.",
         "Compare the names of the axes (X1, B1, …) with MD10000 and the number of the transformation (…_1) with yours.",
-        "Run the program once, in AUTOMATIC, with the access right of machine data. It adds: a second run would add twice.",
-        "Switch MD32700 and MD32710 of the axes in the tables on, reset the control, reference the axes.",
-        "The vectors act under TRAORI only: measure again with a cycle that runs under TRAORI.",
+        "Run the program once, in AUTOMATIC, with the access right of machine data. It adds to the vectors ($MC_): a second run would add twice. It replaces the tables ($AA_, $AN_).",
+        "Switch MD32700 and MD32710 of the axes in the tables on, reset the control, reference the axes. With a value other than zero at the reference point the axis moves by it then (SINUMERIK 808D, p. 106): keep clear.",
+        "The vectors act under TRAORI only: measure again with a program of `nc-program --tcp`.",
     ],
     undo: &[
-        "Read the archive back, or switch MD32700 and MD32710 off and run the program with the signs of the lines \"+\" and \"-\" exchanged.",
+        "Read the archive back. Without old tables: or switch MD32700 and MD32710 off, and run the lines $MC_ with the signs \"+\" and \"-\" exchanged.",
     ],
     unconfirmed: &[
         "The sign of $AN_CEC: taken as that of $AA_ENC_COMP, whose sign is documented.",
@@ -80,8 +81,7 @@ fn joint<'a>(chain: &'a Chain, axis: &str) -> Option<&'a ChainJoint> {
 }
 
 fn write(chain: &Chain, errors: &AxisErrors, _: CorrectionValues) -> String {
-    let values = "values are added to what stands in the machine data; units: mm, vectors of length 1, tables mm and degrees";
-    let mut text: String = header(errors, values).iter().map(|line| format!("; {line}\n")).collect();
+    let mut text = String::new();
     if let Some(kind) = kind(chain) {
         text += &vectors(kind, lines(chain, errors, Zeros::Shifted));
     }
@@ -99,7 +99,25 @@ fn write(chain: &Chain, errors: &AxisErrors, _: CorrectionValues) -> String {
             }
         }
     }
-    text + "M30\n"
+    let values = format!("{}; units: mm, vectors of length 1, tables mm and degrees", what_it_does(&text));
+    let head: String = header(errors, &values).iter().map(|line| format!("; {line}\n")).collect();
+    head + &text + "M30\n"
+}
+
+/// Which lines add to what stands in the control, and which replace it.
+fn what_it_does(lines: &str) -> String {
+    let vectors = "values of $MC_ are added to what stands in the machine data";
+    let tables: Vec<&str> =
+        ["$AA_ENC_COMP", "$AN_CEC"].into_iter().filter(|name| lines.contains(name)).collect();
+    let tables = tables.join(" and ");
+    let replaced = format!(
+        "the tables {tables} replace those that stand in the control: where MD32700 or MD32710 was on, add the old values point by point first"
+    );
+    match (lines.contains("$MC_"), tables.is_empty()) {
+        (_, true) => vectors.into(),
+        (true, false) => format!("{vectors}; {replaced}"),
+        (false, false) => replaced,
+    }
 }
 
 /// The tables of the axes, with the shift of the zero of the last rotary axis before the tool as a constant error along itself.
