@@ -273,11 +273,15 @@ fn a_laser_along_x_gives_the_values_of_iso_230_2_of_what_was_put_in() {
     let run = simulate_on(folder.path(), "three-axis", hidden, "linear-x");
     let text = done(&["identify", &run, "--method", "positioning", "--json"]);
     let found: Value = serde_json::from_str(&text).unwrap();
-    // Nine targets are reached from both sides, over 290.4 mm, of which 20 µm/m make 5.81 µm; with ½ h on either side 7.81 µm.
-    // u of a mean of five at 0.3 µm is 0.13 µm, of the mean reversal of nine targets 0.06 µm; extremes lie a little outside.
+    // Eleven targets are reached from both sides five times each, over 363 mm, of which 20 µm/m make 7.26 µm; with ½ h on either side 9.26 µm.
+    // u of a mean of five at 0.3 µm is 0.13 µm, of the mean reversal of eleven targets 0.06 µm; extremes lie a little outside.
     near(value(&found, "X mean reversal"), -2.0, 4.0 * 0.06);
-    near(value(&found, "X M"), 5.81, 0.5);
-    near(value(&found, "X E"), 7.81, 0.6);
+    near(value(&found, "X M"), 7.26, 0.5);
+    near(value(&found, "X E"), 9.26, 0.6);
+    let counts: Vec<&Value> =
+        found["tables"][0]["rows"].as_array().unwrap().iter().flat_map(|row| [&row[1], &row[4]]).collect();
+    assert!(counts.len() == 22 && counts.iter().all(|count| count.as_str() == Some("5")), "{counts:?}");
+    assert!(!text.contains("from one side"), "{text}");
     assert!(value(&found, "X A") > value(&found, "X E"));
 }
 

@@ -140,6 +140,18 @@ impl Cycle {
         stations
     }
 
+    /// Beyond the first station of a pass along a line, so that it too is approached along the line [ISO 230-2, standard test cycle: the end targets are
+    /// overrun]; `None` for other cycles.
+    fn before_line(&self, setup: usize, pass: f64, first: &AxisValues<f64>) -> Option<AxisValues<f64>> {
+        let Motion::Line { .. } = &self.motion else { return None };
+        let along = self.setups[setup].direction.unwrap_or_else(Vector3::x_axis);
+        let mut beyond = *first;
+        for (k, letter) in Joint::LINEAR.into_iter().enumerate() {
+            beyond[letter] -= pass * visit::OVERRUN_MM * along[k];
+        }
+        Some(beyond)
+    }
+
     /// All axes at a station: linear axes as asked where the cycle names them, else following the ball.
     fn dwell_at(&self, machine: &Machine, setup: usize, station: &Station) -> Option<AxisValues<f64>> {
         if self.names_linear() {

@@ -255,6 +255,11 @@ impl Tour<'_> {
         let mut before: Option<AxisValues<f64>> = None;
         for station in self.cycle.stations(self.machine, leg.setup, leg.pass) {
             let asked = station.asked;
+            if before.is_none()
+                && let Some(beyond) = self.cycle.before_line(leg.setup, leg.pass, &asked)
+            {
+                self.at = Some(self.arrive(leg, Some(beyond))?);
+            }
             for axis in &grid {
                 let back = |last: &AxisValues<f64>| (asked[axis.letter] - last[axis.letter]) * leg.pass < 0.0;
                 if before.as_ref().is_none_or(back) {

@@ -163,7 +163,8 @@ impl<'a> Guide<'a> {
         let seconds = self.rules.dwell_s.unwrap_or(self.rules.pace.settle_s + 2.0 * settle.window_s);
         let mut before: Option<AxisValues<f64>> = None;
         for station in self.cycle.stations(self.machine, leg.setup, leg.pass) {
-            let mut beyond = station.asked;
+            let line = self.cycle.before_line(leg.setup, leg.pass, &station.asked);
+            let mut beyond = line.filter(|_| before.is_none()).unwrap_or(station.asked);
             for axis in self.cycle.grid(self.machine) {
                 let letter = axis.letter;
                 if before.is_none_or(|last| (station.asked[letter] - last[letter]) * leg.pass < 0.0) {
