@@ -7,7 +7,8 @@
 //! and R, E, A of each direction alone [ISO 230-2:2014 clause 3]. A reading gives x = ± (reading − reading of the nominal machine), + where the
 //! reading grows with the position. The zero of the display is arbitrary: all values are differences.
 //! Uncertainties are those of means and standard deviations of n approaches: u(x̄) = s/√n, u(s) = s/√(2(n − 1)).
-//! Limits: a target that is reached from one side alone, as at the ends of a cycle without overrun, counts for that side; the axis alone moves; the tilt of the beam (cosine error), air and material temperature are in no value; a largest value grows with the
+//! The direction of an approach is the stated one, or that from the position before; where the axis had not moved and nobody stated it, the reading is left out.
+//! Limits: a target that is reached from one side alone, as at the ends of a cycle without overrun, counts for that side, and is named; the axis alone moves; the tilt of the beam (cosine error), air and material temperature are in no value; a largest value grows with the
 //! number of targets.
 
 mod report;

@@ -63,6 +63,45 @@ fn the_values_of_iso_230_2_are_those_worked_by_hand() {
     assert!((u / UM - root).abs() < 1e-9, "{u}");
 }
 
+/// As a table without directions has them: of the last move, and none before the first.
+fn without_directions(approaches: &[(f64, f64)]) -> Run {
+    let rows: Vec<(f64, f64, f64)> = approaches.iter().map(|&(x_mm, um)| (x_mm, 0.0, um)).collect();
+    let mut run = run(&rows);
+    let mut travel = trunnion_core::direction::Travel::default();
+    run.points.iter_mut().for_each(|point| travel.fill(&mut point.state, &[X]));
+    run
+}
+
+#[test]
+fn a_reading_without_a_move_before_it_takes_no_direction_from_the_one_before() {
+    // Backlash of 3 µm; at both ends the second reading is one of the other side, and the table does not say so.
+    let passes = [(0.0, -3.0), (50.0, -3.0), (100.0, -3.0), (100.0, 0.0), (50.0, 0.0), (0.0, 0.0)];
+    let found = recipes::find("positioning")
+        .unwrap()
+        .apply(&[without_directions(&[passes, passes, passes].concat())], &MethodOptions::default())
+        .unwrap();
+    let um = |name: &str| found.value(&format!("X {name}")).unwrap().value / UM;
+    assert!(um("R↑").abs() < 1e-9 && um("R↓").abs() < 1e-9, "{} {}", um("R↑"), um("R↓"));
+    assert!((um("B") - 3.0).abs() < 1e-9);
+    let notes = found.notes.join("\n");
+    assert!(
+        notes.contains("6 readings were left out, because the direction of their approach is not known"),
+        "{notes}"
+    );
+    assert!(
+        notes.contains("from one side alone: 0.0, 100.0 mm") && notes.contains("of the other 1 of 3"),
+        "{notes}"
+    );
+    // Step by step: nothing of the second and later approaches is known.
+    let step = |x_mm: f64| [(x_mm, -3.0), (x_mm, 0.0), (x_mm, -3.0), (x_mm, 0.0)];
+    let run = without_directions(&[step(0.0), step(50.0), step(100.0)].concat());
+    let error = recipes::find("positioning").unwrap().apply(&[run], &MethodOptions::default()).unwrap_err();
+    assert!(
+        error.to_string().contains("of 10 readings the direction is not known, state it (direction_x)"),
+        "{error}"
+    );
+}
+
 #[test]
 fn a_single_pass_is_sent_to_repeat_its_approaches() {
     let run = run(&[(0.0, 1.0, 0.0), (100.0, 1.0, 1.0), (200.0, 1.0, 2.0)]);

@@ -26,6 +26,8 @@ pub(super) fn findings(method: &Method, runs: &[Run], traces: &Traces) -> Findin
             .filter(few)
             .map(|t| format!("{}: ISO 230-2 asks for five approaches from each side.", t.name)),
     );
+    notes.extend(traces.all.iter().filter(|trace| trace.unknown > 0).map(unknown_note));
+    notes.extend(traces.all.iter().filter_map(one_sided_note));
     notes.extend(traces.left_out_notes());
     Findings {
         values: traces.all.iter().flat_map(values).collect(),
@@ -34,6 +36,30 @@ pub(super) fn findings(method: &Method, runs: &[Run], traces: &Traces) -> Findin
         notes,
         ..method.findings(runs, Convention::RightHanded)
     }
+}
+
+fn unknown_note(trace: &Trace) -> String {
+    format!(
+        "{}: {} readings were left out, because the direction of their approach is not known: the first, or the axis had not moved since the \
+         reading before. State the direction, or overrun the end targets.",
+        trace.name, trace.unknown
+    )
+}
+
+/// Which targets have no reversal value, where others have one.
+fn one_sided_note(trace: &Trace) -> Option<String> {
+    let both = trace.targets.iter().filter(|target| reversal(target).is_some()).count();
+    let lacks = |target: &&Target| reversal(target).is_none();
+    let places: Vec<String> =
+        trace.targets.iter().filter(lacks).map(|target| format!("{:.1}", target.position_mm)).collect();
+    (both > 0 && !places.is_empty()).then(|| {
+        format!(
+            "{}: approached twice or more from one side alone: {} mm. B, R and M are those of the other {both} of {} targets. ISO 230-2 asks for an overrun at the end targets.",
+            trace.name,
+            places.join(", "),
+            trace.targets.len()
+        )
+    })
 }
 
 fn values(trace: &Trace) -> Vec<FoundValue> {

@@ -12,6 +12,10 @@ const STILL_MM: f64 = 0.05;
 const STILL_RAD: f64 = 1e-4;
 /// Positions nearer than this are one target, mm.
 const ONE_TARGET_MM: f64 = 0.05;
+/// An axis that moved less stood still: what cycles allow at a pose (`standstill_um`).
+const UNMOVED_MM: f64 = 2e-3;
+/// Rounding of positions and travels, mm.
+const ROUNDING_MM: f64 = 1e-9;
 
 /// What was measured.
 pub(super) type Traces = Recognised<Trace>;
@@ -21,6 +25,8 @@ pub(super) struct Trace {
     /// Name of the axis, with the setup's where several setups have this axis.
     pub name: String,
     pub targets: Vec<Target>,
+    /// Readings whose direction of approach is not known.
+    pub unknown: usize,
 }
 
 /// One target.
@@ -102,18 +108,13 @@ fn trace(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, S
     let position = |i: usize| points[i].state.position[axis];
     let middle = (0..points.len()).map(position).sum::<f64>() / points.len() as f64;
     let sense = (0..points.len()).map(|i| (position(i) - middle) * nominal_mm[i]).sum::<f64>().signum();
-    let way = |i: usize| match points[i].state.direction[axis] {
-        stated if stated != 0.0 => usize::from(stated < 0.0),
-        _ => {
-            let (from, to) = if i > 0 { (i - 1, i) } else { (0, 1) };
-            usize::from(position(to) < position(from))
-        }
-    };
+    let ways = ways(axis, points);
+    let unknown = ways.iter().filter(|way| way.is_none()).count();
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| position(a).total_cmp(&position(b)));
     let of_target = |chunk: &[usize]| {
         let deviations = |wanted: usize| -> Vec<f64> {
-            let own = chunk.iter().filter(|&&i| way(i) == wanted);
+            let own = chunk.iter().filter(|&&i| ways[i] == Some(wanted));
             own.map(|&i| sense * (points[i].reading_mm[0] - nominal_mm[i])).collect()
         };
         let position_mm = chunk.iter().map(|&i| position(i)).sum::<f64>() / chunk.len() as f64;
@@ -123,9 +124,45 @@ fn trace(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, S
         order.chunk_by(|&a, &b| position(b) - position(a) < ONE_TARGET_MM).map(of_target).collect();
     let repeated = targets.iter().filter(|target| target.ways.iter().any(Option::is_some)).count();
     if repeated < 2 {
+        let direction = match unknown {
+            0 => String::new(),
+            _ => format!(
+                "; of {unknown} readings the direction is not known, state it (direction_{})",
+                axis.lower()
+            ),
+        };
         return Err(format!(
-            "{repeated} targets of {axis} were approached twice or more from one side; two or more are needed"
+            "{repeated} targets of {axis} were approached twice or more from one side; two or more are needed{direction}"
         ));
     }
-    Ok(Trace { name: axis.to_string(), targets })
+    Ok(Trace { name: axis.to_string(), targets, unknown })
+}
+
+/// The way on which each point was approached: 0 up, 1 down. Where the axis had not moved since the point before, a direction that nobody stated is
+/// that of the point before, and says nothing. It was stated where it changed without a move.
+fn ways(axis: Joint, points: &[&Point]) -> Vec<Option<usize>> {
+    let position = |i: usize| points[i].state.position[axis];
+    let direction = |i: usize| points[i].state.direction[axis];
+    let stands = |i: usize| i > 0 && (position(i) - position(i - 1)).abs() < UNMOVED_MM;
+    let stated = (1..points.len()).any(|i| stands(i) && direction(i) * direction(i - 1) < 0.0);
+    // The axis turns round at this place: the second reading there had an approach of its own only where it went beyond.
+    let turns = |i: usize| {
+        let away = |k: &usize| (position(*k) - position(i)).abs() >= UNMOVED_MM;
+        let (before, after) = ((0..i).rev().find(away), (i..points.len()).find(away));
+        before
+            .zip(after)
+            .is_some_and(|(b, a)| (position(b) - position(i)) * (position(a) - position(i)) > 0.0)
+    };
+    let unmoved = |i: usize| {
+        let since = |k: usize| points[k].state.since_reversal[axis];
+        stands(i) && direction(i) == direction(i - 1) && {
+            let travel = (since(i) - since(i - 1)).abs();
+            travel < ROUNDING_MM || travel < UNMOVED_MM && turns(i)
+        }
+    };
+    let way = |i: usize| {
+        let known = direction(i) != 0.0 && (stated || !unmoved(i));
+        known.then(|| usize::from(direction(i) < 0.0))
+    };
+    (0..points.len()).map(way).collect()
 }
