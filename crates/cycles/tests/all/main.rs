@@ -4,6 +4,7 @@
 
 #[path = "nc/clear.rs"]
 mod clear;
+mod durations;
 #[path = "nc/interpreter.rs"]
 mod interpreter;
 mod nc_programs;
