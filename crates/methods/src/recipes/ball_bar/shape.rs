@@ -97,14 +97,8 @@ impl Shape {
         }
         let left = moved - &design * &fit.x;
         let contour = |direction: f64| -> Contour {
-            let mut sums = vec![(0.0, 0.0); stations.angles_rad.len()];
-            for (sample, left) in samples.iter().zip(left.iter()).filter(|(s, _)| s.direction == direction) {
-                if let Some(i) = stations.at(sample.angle_rad) {
-                    sums[i] = (sums[i].0 + left, sums[i].1 + 1.0);
-                }
-            }
-            let means = sums.iter().zip(&stations.angles_rad).filter(|((_, count), _)| *count > 0.0);
-            means.map(|((sum, count), &angle)| (angle, sum / count)).collect()
+            let of_direction = samples.iter().zip(left.iter()).filter(|(s, _)| s.direction == direction);
+            stations.contour(of_direction.map(|(sample, left)| (sample.angle_rad, *left)))
         };
         let contours: Vec<(f64, Contour)> =
             [1.0, -1.0].map(|d| (d, contour(d))).into_iter().filter(|(_, c)| !c.is_empty()).collect();

@@ -297,14 +297,8 @@ fn without_doubtful_spikes(
 }
 
 fn contour(stations: &Stations, samples: &[Sample], way: f64, of: &DVector<f64>) -> Contour {
-    let mut sums = vec![(0.0, 0.0); stations.angles_rad.len()];
-    for (sample, value) in samples.iter().zip(of.iter()).filter(|(s, _)| s.way == way) {
-        if let Some(i) = stations.at(sample.angle_rad) {
-            sums[i] = (sums[i].0 + value, sums[i].1 + 1.0);
-        }
-    }
-    let read = sums.iter().zip(&stations.angles_rad).filter(|((_, count), _)| *count > 0.0);
-    read.map(|((sum, count), &angle)| (angle, sum / count)).collect()
+    let of_way = samples.iter().zip(of.iter()).filter(|(sample, _)| sample.way == way);
+    stations.contour(of_way.map(|(sample, value)| (sample.angle_rad, *value)))
 }
 
 /// Noise by second differences of neighbours in time within a way, from their median: var(l₁ − 2 l₂ + l₃) = 6 σ² (Neumann 1941), and the

@@ -1,6 +1,6 @@
 //! Which signals are judged, and what is reported of them.
 
-use super::contour::{Contour, Signal};
+use super::contour::{Contour, Signal, Turn};
 use crate::common::harmonics::{self, Harmonics};
 use crate::common::stations::Stations;
 use crate::common::turning::{Turned, Turning, TurningSet};
@@ -61,7 +61,8 @@ fn judged(turning: &Turning, stations: &Stations) -> Vec<Judged> {
     let [u, v, w] = turning.frame;
     for set in &turning.sets {
         let mut judge = |name: String, title: String, fundamental: bool, of: &dyn Fn(&Turned) -> f64| {
-            let ways = ways(set, stations, of).map(|signal| Contour::of(&stations.angles_rad, &signal));
+            let ways = ways(set, stations, of);
+            let ways = ways.map(|signal| Some(Contour::of(&stations.angles_rad, &signal?)));
             if ways.iter().any(Option::is_some) {
                 let (name, title) = (format!("{}.{name}", set.name), format!("{title}, setup {}", set.name));
                 judged.push(Judged { name, title, unit: Unit::UM, ways, bound: false, fundamental });
@@ -96,7 +97,11 @@ fn tilts(turning: &Turning, stations: &Stations) -> Vec<Judged> {
     // ω_u = −(v high − v low)/Δh, ω_v = (u high − u low)/Δh
     let of = |k: usize, sign: f64| {
         let [low, high] = [low, high].map(|set| ways(set, stations, &|r| sign * r.moved_mm[k] / apart_mm));
-        [0, 1].map(|way| Contour::of(&stations.angles_rad, &differences(&high[way], &low[way])))
+        let tilt = |way: usize| {
+            let (high, low) = high[way].as_ref().zip(low[way].as_ref())?;
+            Some(Contour::of(&stations.angles_rad, &high.less(low)))
+        };
+        [0, 1].map(tilt)
     };
     let judge = |(letter, ways): (trunnion_core::Joint, [Option<Contour>; 2])| {
         ways.iter().any(Option::is_some).then(|| Judged {
@@ -111,34 +116,19 @@ fn tilts(turning: &Turning, stations: &Stations) -> Vec<Judged> {
     [(tilt_u, of(1, -1.0)), (tilt_v, of(0, 1.0))].into_iter().filter_map(judge).collect()
 }
 
-/// The turns forward and the turns back; a turn with holes is left out.
-fn ways(set: &TurningSet, stations: &Stations, of: &dyn Fn(&Turned) -> f64) -> [Signal; 2] {
-    let mut ways = [Signal::default(), Signal::default()];
+/// The turns forward and the turns back, about their centres; a turn with holes is left out.
+fn ways(set: &TurningSet, stations: &Stations, of: &dyn Fn(&Turned) -> f64) -> [Option<Signal>; 2] {
+    let mut ways: [Vec<Turn>; 2] = Default::default();
     for pass in 0..set.passes {
         let readings = || set.readings.iter().filter(|r| r.pass == pass);
-        let mut sums = vec![(0.0, 0.0); stations.angles_rad.len()];
-        for reading in readings() {
-            if let Some(i) = stations.at(reading.angle_rad) {
-                sums[i].0 += of(reading);
-                sums[i].1 += 1.0;
-            }
-        }
-        let filled = sums.iter().filter(|(_, count)| *count > 0.0).count() as f64;
-        if filled >= WHOLE * sums.len() as f64 {
+        let turn: Turn = readings().map(|r| (r.angle_rad, of(r))).collect();
+        let filled = stations.means(turn.iter().copied()).iter().flatten().count() as f64;
+        if filled >= WHOLE * stations.angles_rad.len() as f64 {
             let back = readings().next().is_some_and(|r| r.direction < 0.0);
-            let turn = sums.iter().map(|(sum, count)| (*count > 0.0).then(|| sum / count)).collect();
-            ways[usize::from(back)].turns.push(turn);
+            ways[usize::from(back)].push(turn);
         }
     }
-    ways
-}
-
-fn differences(high: &Signal, low: &Signal) -> Signal {
-    let pairs = high.turns.iter().flat_map(|high| low.turns.iter().map(move |low| (high, low)));
-    let less = |(high, low): (&Vec<Option<f64>>, &Vec<Option<f64>>)| -> Vec<Option<f64>> {
-        high.iter().zip(low).map(|(high, low)| Some((*high)? - (*low)?)).collect()
-    };
-    Signal { turns: pairs.map(less).collect() }
+    ways.map(|turns| Signal::of(stations, &turns))
 }
 
 /// The larger of both directions, and how far they are apart.
