@@ -1,6 +1,7 @@
-//! What several named methods share: readings as displacements, readings of an axis that turns alone, and their means over
+//! What several named methods share: readings of a ball bar to first order, readings as displacements, readings of an axis that turns alone, and their means over
 //! angle.
 
+pub(crate) mod bar;
 pub(crate) mod feed;
 pub(crate) mod harmonics;
 pub(crate) mod over_height;

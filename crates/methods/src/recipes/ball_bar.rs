@@ -8,12 +8,13 @@
 //!     C-Z:       w(θ) = c_w + m_w(θ)                                     axial error motion, centred only
 //!     C-XY:      w(θ) = c + E_u0 p_v − E_v0 p_u                          p place of the ball: centre of the trace / radius
 //!     a path:    r = c + n·t                                             n bar in table axes, t setting of the ball on the table
+//! of readings of which the second order of s is taken off where the trace shows s: C-X, C-Y and a path (`common::bar`).
 //! [S4 (Ibaraki, DBB5) eq. 1–7, Fig. 6–11; docs/design/physics.md §5]. Circularity: range of what this leaves, mean over each direction.
 //! S4's r is the reading with the tool's ball on the positive side: then eq. 4–7 are right-handed as printed; of eq. 1 the number
 //! (−4.2 µm/100 mm) and of eq. 2 the formula carries the wrong sign, as does α in δy of eq. 3 [docs/design/physics.md §8.4].
 //! `--convention source` prints E_B0C as S4's eq. 1 does, and E_X0C, E_Y0C as eq. 3 (tool against table, the sign of α mended).
 //! Limits: a shape that turns once with the axis counts as setting; positioning errors of the axis are not seen; places of the
-//! axis line need a bar of known length; what carries the axis is in its errors. C-XY also sees X, Y and their squareness.
+//! axis line need a bar of known length; a place c of the line across a bar of length L adds c²/2L to its mean; what carries the axis is in its errors. C-XY also sees X, Y and their squareness.
 
 mod causes;
 mod charts;

@@ -1,5 +1,7 @@
 //! `ball-bar` against S4's printed figures: readings with exactly its means and circularities give its results.
 
+use rand::SeedableRng;
+use rand_distr::{Distribution, Normal};
 use std::f64::consts::TAU;
 use trunnion_core::{Joint, Point, Quality};
 use trunnion_cycles::Pace;
@@ -339,4 +341,44 @@ fn of_traces_at_another_tilt_it_is_said_what_they_are_used_for() {
 
 fn leaning_at(text: String) -> String {
     text.replace("feeds_deg_per_min = [720]", "feeds_deg_per_min = [720]\nb_deg = 30")
+}
+
+/// Readings by the distance of the balls, the table's set off its place and turning with the table; noise in µm.
+fn set_off(settings_mm: &[[f64; 3]; 5], noise_um: f64, seed: u64) -> Run {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+    let noise = Normal::new(0.0, noise_um * UM).unwrap();
+    let mut read = run(&cycle_text("s4-c"), Joint::C, |_, _| 0.0);
+    for point in &mut read.points {
+        let (setup, none) = (&read.setups[point.state.setup], Default::default());
+        let machine_from_table = read.machine.machine_from_table(&point.state.position, &none);
+        let tool = read.machine.machine_from_tool(&point.state.position, &none) * setup.ball_in_tool_mm;
+        let between = |table: nalgebra::Point3<f64>| (tool - machine_from_table * table).norm();
+        let table = setup.ball_in_table_mm;
+        let set = table + nalgebra::Vector3::from(settings_mm[point.state.setup]);
+        point.reading_mm[0] += between(set) - between(table) + noise.sample(&mut rng);
+    }
+    read
+}
+
+#[test]
+fn a_ball_set_off_the_axis_is_no_place_and_no_oval() {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for seed in 0..8 {
+        let place = |k: u64, l: u64| ((seed * 31 + k * 7 + l * 17) % 11) as f64 * 0.06 - 0.3;
+        let settings: [[f64; 3]; 5] =
+            std::array::from_fn(|k| [place(k as u64, 1), place(k as u64, 2), 0.005]);
+        let found = by(&[set_off(&settings, 0.1, seed)], Convention::RightHanded);
+        for name in ["EX0C", "EY0C", "EA0C", "EB0C"] {
+            let found = found.value(name).unwrap_or_else(|| panic!("{name}"));
+            squares += (found.value / found.u.unwrap()).powi(2);
+            count += 1.0;
+        }
+        for name in ["EXC", "EYC"] {
+            let range = found.value(&format!("{name} range"));
+            assert!(range.is_none(), "settings {settings:?}: {range:?}");
+        }
+    }
+    let rms = f64::sqrt(squares / count);
+    // 32 values: 1 ± 3 standard deviations.
+    assert!((0.6..1.4).contains(&rms), "rms of value over u: {rms}");
 }

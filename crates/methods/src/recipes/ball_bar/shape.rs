@@ -1,11 +1,12 @@
 //! Mean, setting and shape of each trace by least squares, and what the shapes at several heights say of an axis.
 
 use super::track::{Axis, Kind, Sample, Track, span, whole_turn};
+use crate::common::bar::{OFF_TOLERANCE, to_first_order};
 use crate::common::feed::is_one_feed;
 use crate::common::over_height::{Line, Weights};
 use crate::common::stations::Stations;
 use crate::recipes::{Method, MethodError};
-use nalgebra::{DMatrix, DVector, Vector2};
+use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use trunnion_core::AxisValues;
 use trunnion_core::convert::rad_from_deg;
 use trunnion_engine::solve::linear::least_squares;
@@ -86,7 +87,7 @@ impl Shape {
         let samples = &track.samples;
         let rows: Vec<Vec<f64>> = samples.iter().map(|sample| centring(track.kind, sample)).collect();
         let design = DMatrix::from_fn(samples.len(), rows[0].len(), |i, k| rows[i][k]);
-        let moved = DVector::from_iterator(samples.len(), samples.iter().map(|s| s.moved_mm));
+        let moved = moved_mm(track, &design);
         let fit = least_squares(&design, &moved, 1e-6);
         if fit.rank < rows[0].len() && track.kind != Kind::Path {
             let found = format!(
@@ -171,9 +172,38 @@ fn centring(kind: Kind, sample: &Sample) -> Vec<f64> {
         Kind::Along { .. } => vec![1.0],
         Kind::Followed { .. } => vec![1.0, sample.across_mm.y, -sample.across_mm.x],
         Kind::Path => {
-            let n = sample.bar_in_table;
+            let n = sample.bar_mm.normalize();
             vec![1.0, n.x, n.y, n.z]
         }
+    }
+}
+
+/// Displacements as if the ball sat so little off that it reads as the columns of the centring alone.
+fn moved_mm(track: &Track, design: &DMatrix<f64>) -> DVector<f64> {
+    let samples = &track.samples;
+    let per_reading = DVector::from_iterator(samples.len(), samples.iter().map(|s| s.moved_per_reading));
+    let moved = DVector::from_iterator(samples.len(), samples.iter().map(|s| s.moved_mm));
+    let bars_mm: Vec<Vector3<f64>> = samples.iter().map(|s| s.bar_mm).collect();
+    let off = |read: &DVector<f64>| -> Vec<Vector3<f64>> {
+        let x = least_squares(design, &read.component_mul(&per_reading), OFF_TOLERANCE).x;
+        samples.iter().map(|sample| off_mm(track.kind, &x, sample)).collect()
+    };
+    to_first_order(&moved.component_div(&per_reading), &bars_mm, off).component_mul(&per_reading)
+}
+
+/// What the tool's ball is off against the table's by the setting of the ball, as far as the trace shows it, in the axes of its bar.
+fn off_mm(kind: Kind, x: &DVector<f64>, sample: &Sample) -> Vector3<f64> {
+    match kind {
+        Kind::Across { k, .. } => {
+            let (sin, cos) = sample.angle_rad.sin_cos();
+            // The setting turns with the axis: what lies along the bar lay across it a quarter turn ago.
+            let (along, across) = (x[1] * cos + x[2] * sin, x[1] * sin - x[2] * cos);
+            let carried =
+                if k == 0 { Vector3::new(along, across, 0.0) } else { Vector3::new(-across, along, 0.0) };
+            carried * (sample.moved_per_reading * sample.bar_mm[k]).signum()
+        }
+        Kind::Path => Vector3::new(x[1], x[2], x[3]),
+        Kind::Along { .. } | Kind::Followed { .. } => Vector3::zeros(),
     }
 }
 

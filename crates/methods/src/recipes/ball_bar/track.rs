@@ -90,8 +90,10 @@ pub(super) struct Sample {
     pub moved_mm: f64,
     /// Place of the ball across the axis, u and v from its reference point, mm.
     pub across_mm: Vector2<f64>,
-    /// From the table's ball to the tool's, unit length, table axes.
-    pub bar_in_table: Vector3<f64>,
+    /// What `moved_mm` is of the reading: +1 or −1 (over the cosine of the bar).
+    pub moved_per_reading: f64,
+    /// From the table's ball to the tool's, in u, v, w of the axis; of a path in table axes, mm.
+    pub bar_mm: Vector3<f64>,
 }
 
 /// Every setup that is a measurement; of `asked` alone when given.
@@ -137,6 +139,8 @@ struct Seen<'a> {
     /// Tool ball, table axes, mm.
     tool_in_table_mm: Vec<Point3<f64>>,
     bars_in_table: Vec<Vector3<f64>>,
+    /// Distance of the balls on the nominal machine.
+    lengths_mm: Vec<f64>,
 }
 
 impl<'a> Seen<'a> {
@@ -155,6 +159,7 @@ impl<'a> Seen<'a> {
             bars_in_machine: Vec::new(),
             tool_in_table_mm: Vec::new(),
             bars_in_table: Vec::new(),
+            lengths_mm: Vec::new(),
         };
         for point in points {
             let machine_from_table = machine.machine_from_table(&point.state.position, &none);
@@ -164,6 +169,7 @@ impl<'a> Seen<'a> {
             let bar = apart_mm
                 .try_normalize(1e-6)
                 .ok_or("both balls are in one place; the bar has no direction")?;
+            seen.lengths_mm.push(apart_mm.norm());
             seen.bars_in_machine.push(bar);
             seen.bars_in_table.push(machine_from_table.rotation.inverse() * bar);
             seen.tool_in_table_mm.push(machine_from_table.inverse() * tool_in_machine_mm);
@@ -228,18 +234,21 @@ impl<'a> Seen<'a> {
         let directions = directions(self.points, axis.letter);
         let samples = (0..self.points.len()).map(|i| {
             let deviation_mm = self.deviation_mm(i);
-            let reading_mm = match (kind, lies) {
-                (Kind::Path, _) | (_, None) => deviation_mm,
-                (_, Some(k)) => deviation_mm / bars[i][k],
+            let per_reading = match (kind, lies) {
+                (Kind::Path, _) | (_, None) => 1.0,
+                (_, Some(k)) => 1.0 / bars[i][k],
             };
-            let carried = if placed.side == Side::Table { -reading_mm } else { reading_mm };
+            let is_opposite = kind != Kind::Path && placed.side == Side::Table;
+            let moved_per_reading = if is_opposite { -per_reading } else { per_reading };
+            let bar = if kind == Kind::Path { self.bars_in_table[i] } else { bars[i] };
             Sample {
                 angle_rad: placed.sense * self.points[i].state.position[axis.letter],
                 direction: directions[i],
-                reading_mm,
-                moved_mm: if kind == Kind::Path { reading_mm } else { carried },
+                reading_mm: per_reading * deviation_mm,
+                moved_mm: moved_per_reading * deviation_mm,
+                moved_per_reading,
                 across_mm: balls[i].xy(),
-                bar_in_table: self.bars_in_table[i],
+                bar_mm: bar * self.lengths_mm[i],
             }
         });
         (kind, samples.collect())
@@ -266,8 +275,9 @@ impl<'a> Seen<'a> {
             direction: if step(i) < 0.0 { -1.0 } else { 1.0 },
             reading_mm: self.deviation_mm(i),
             moved_mm: self.deviation_mm(i),
+            moved_per_reading: 1.0,
             across_mm: Vector2::zeros(),
-            bar_in_table: self.bars_in_table[i],
+            bar_mm: self.bars_in_table[i] * self.lengths_mm[i],
         };
         Ok((0..angles.len()).map(sample).collect())
     }

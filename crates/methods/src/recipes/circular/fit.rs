@@ -4,10 +4,11 @@ use super::confounded::{Other, Together, confounded_together, one_number, others
 use super::list::{Listed, ListedKind, columns, listed};
 use super::solved::{CENTRING, TOLERANCE, widened};
 use super::trace::{Sample, Trace};
+use crate::common::bar::{OFF_TOLERANCE, to_first_order};
 use crate::common::stations::Stations;
 use crate::geometry;
 use crate::recipes::{Method, MethodError};
-use nalgebra::{DMatrix, DVector, Vector2};
+use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use std::ops::Range;
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 use trunnion_engine::solve::linear::least_squares;
@@ -93,9 +94,10 @@ impl<'a> Fitted<'a> {
     pub fn of(method: &Method, machine: &Machine, trace: &'a Trace) -> Result<Self, MethodError> {
         let list = listed(machine, trace);
         let samples = &trace.samples;
-        let deviation = DVector::from_iterator(samples.len(), samples.iter().map(|s| s.deviation_mm));
+        let read = DVector::from_iterator(samples.len(), samples.iter().map(|s| s.deviation_mm));
         let centring = DMatrix::from_fn(samples.len(), CENTRING, |i, k| centre_row(&samples[i])[k]);
         let centred = |of: &DVector<f64>| of - &centring * least_squares(&centring, of, TOLERANCE).x;
+        let deviation = of_centre(trace, &centring, &read);
         let (list, decay_mm) = without_doubtful_spikes(trace, list, &deviation);
         let design = design(trace, &list, decay_mm);
         let fit = least_squares(&design, &deviation, TOLERANCE);
@@ -140,7 +142,12 @@ impl<'a> Fitted<'a> {
             .iter()
             .map(|&way| (way, [&measured, &explained, &left].map(|of| contour(way, of))))
             .collect();
-        let as_read: Vec<(f64, Contour)> = ways.iter().map(|&way| (way, contour(way, &deviation))).collect();
+        // About the centre, where an angle of the bar is one of the circle; the mean radius stays.
+        let mut setting = least_squares(&centring, &deviation, TOLERANCE).x;
+        setting[0] = 0.0;
+        let about_centre = &deviation - &centring * setting;
+        let as_read: Vec<(f64, Contour)> =
+            ways.iter().map(|&way| (way, contour(way, &about_centre))).collect();
         let rms = |of: &DVector<f64>| of.norm() / (of.len() as f64).sqrt();
         let over = |k: usize| range(contours.iter().flat_map(|(_, c)| c[k].iter().map(|(_, v)| *v)));
         let freedom = (samples.len() - fit.rank).max(1) as f64;
@@ -219,6 +226,19 @@ impl Iso {
             g_mm,
         })
     }
+}
+
+/// Deviations as if the ball sat so little off the centre that it reads as cos φ and sin φ alone.
+fn of_centre(trace: &Trace, centring: &DMatrix<f64>, read: &DVector<f64>) -> DVector<f64> {
+    let bar = |sample: &Sample| {
+        let (sin, cos) = sample.angle_rad.sin_cos();
+        Vector3::new(cos, sin, 0.0) * trace.radius_mm
+    };
+    let bars_mm: Vec<Vector3<f64>> = trace.samples.iter().map(bar).collect();
+    to_first_order(read, &bars_mm, |deviation| {
+        let centre = least_squares(centring, deviation, OFF_TOLERANCE).x;
+        vec![Vector3::new(centre[1], centre[2], 0.0); bars_mm.len()]
+    })
 }
 
 fn centre_row(sample: &Sample) -> [f64; CENTRING] {
