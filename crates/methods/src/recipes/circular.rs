@@ -6,6 +6,8 @@
 //!     squareness ∓γ R sin φ cos φ · scale mismatch ½ (s_a − s_b) R cos 2φ · servo mismatch (τ_a − τ_b) v d sin φ cos φ
 //!     backlash e_a = ½ h sgn v_a (h negative where the axis stops short, as in the catalogue) · lateral play e_b = ½ p sgn v_a · reversal spike e_a = −h sgn v_a exp(−travel since reversal / s₀)
 //!     cyclic e_a = A cos 2πa/P + B sin 2πa/P (P screw lead) · straightness e_b = w (a/R)²  (three lobes)
+//! How far the ball sits off the centre counts beyond first order (`common::bar`). What an axis sticks by at the beginning of a pass is a size of its own
+//! (`reversals`). One way, squareness and servo mismatch are one number, and nothing is to be entered.
 //! A run that knows no speed v has the servo mismatch as the distance e = (τ_a − τ_b) v, at one unknown speed: left off the list, it would be
 //! read as backlash and spikes.
 //! [ISO 230-4:2005 clause 3; Kakino, Ihara, Shinohara 1990 (DBB method); docs/design/physics.md §5.2]. Each error's own circularity is the range of
@@ -21,6 +23,7 @@ mod fit;
 mod list;
 mod planes;
 mod plate;
+mod reversals;
 mod solved;
 mod trace;
 mod values;

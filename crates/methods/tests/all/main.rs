@@ -7,6 +7,7 @@ mod axis_errors;
 mod ball_bar;
 mod certification;
 mod circular;
+mod circular_rows;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../engine/tests/all/common.rs"]
 mod common;

@@ -1,7 +1,7 @@
 //! The whole list fitted to one trace, each error's own circularity, and what is left.
 
 use super::confounded::{Other, Together, confounded_together, one_number, others};
-use super::list::{Listed, ListedKind, columns, listed};
+use super::list::{Listed, ListedKind, columns, listed, of_beginnings, of_decay};
 use super::solved::{CENTRING, TOLERANCE, widened};
 use super::trace::{Sample, Trace};
 use crate::common::bar::{OFF_TOLERANCE, to_first_order};
@@ -99,7 +99,7 @@ impl<'a> Fitted<'a> {
         let centred = |of: &DVector<f64>| of - &centring * least_squares(&centring, of, TOLERANCE).x;
         let deviation = of_centre(trace, &centring, &read);
         let (list, decay_mm) = without_doubtful_spikes(trace, list, &deviation);
-        let design = design(trace, &list, decay_mm);
+        let design = with_decays(trace, &list, decay_mm, design(trace, &list, decay_mm));
         let fit = least_squares(&design, &deviation, TOLERANCE);
         let left = &deviation - &design * &fit.x;
         let widened = widened(&left);
@@ -249,10 +249,24 @@ fn centre_row(sample: &Sample) -> [f64; CENTRING] {
 fn design(trace: &Trace, list: &[Listed], decay_mm: [f64; 2]) -> DMatrix<f64> {
     let row = |sample: &Sample| -> Vec<f64> {
         let errors = list.iter().flat_map(|item| columns(item.kind, trace, decay_mm, sample));
-        centre_row(sample).into_iter().chain(errors).collect()
+        centre_row(sample).into_iter().chain(errors).chain(of_beginnings(trace, decay_mm, sample)).collect()
     };
     let rows: Vec<Vec<f64>> = trace.samples.iter().map(row).collect();
     DMatrix::from_fn(rows.len(), rows[0].len(), |i, k| rows[i][k])
+}
+
+/// The columns with that of each decay s₀: it was sought too, so that u of what resembles it, backlash and spike, holds it.
+fn with_decays(trace: &Trace, list: &[Listed], decay_mm: [f64; 2], design: DMatrix<f64>) -> DMatrix<f64> {
+    let first = design.ncols();
+    let is_listed = |k: &usize| list.iter().any(|item| item.kind == ListedKind::ReversalSpike(*k));
+    let spikes: Vec<usize> = [0, 1].into_iter().filter(is_listed).collect();
+    let mut design = design.resize_horizontally(first + spikes.len(), 0.0);
+    for (at, k) in spikes.into_iter().enumerate() {
+        for (i, sample) in trace.samples.iter().enumerate() {
+            design[(i, first + at)] = of_decay(k, decay_mm[k], sample);
+        }
+    }
+    design
 }
 
 /// s₀ of the spikes of both axes by which the whole list leaves least: one axis after the other, twice over shares of the

@@ -1,5 +1,6 @@
 //! The classical errors of a circle, each as columns over the trace (header of `circular`).
 
+use super::reversals::Reversal;
 use super::trace::{Sample, Trace};
 use std::f64::consts::TAU;
 use trunnion_core::Joint;
@@ -116,7 +117,10 @@ pub(super) fn columns(kind: ListedKind, trace: &Trace, decay_mm: [f64; 2], sampl
         ListedKind::Backlash(k) => vec![0.5 * sample.direction[k] * along[k]],
         ListedKind::LateralPlay(k) => vec![0.5 * sample.direction[k] * across[k]],
         ListedKind::ReversalSpike(k) => {
-            vec![-sample.direction[k] * (-sample.since_reversal_mm[k] / decay_mm[k]).exp() * along[k]]
+            vec![match sample.reversal[k] {
+                Reversal::Since(travel_mm) => spike(sample, k, travel_mm, decay_mm[k]),
+                Reversal::Unknown { .. } => 0.0,
+            }]
         }
         ListedKind::Cyclic(k, lead_mm) => {
             let (s, c) = (TAU * sample.position_mm[k] / lead_mm).sin_cos();
@@ -124,4 +128,29 @@ pub(super) fn columns(kind: ListedKind, trace: &Trace, decay_mm: [f64; 2], sampl
         }
         ListedKind::Straightness(k) => vec![along[k] * along[k] * across[k]],
     }
+}
+
+/// One column for each beginning at which an axis may have reversed: what sticks there, whatever its size. None of them is an error of the list.
+pub(super) fn of_beginnings(trace: &Trace, decay_mm: [f64; 2], sample: &Sample) -> Vec<f64> {
+    let mut columns = vec![0.0; trace.beginnings];
+    for k in [0, 1] {
+        if let Reversal::Unknown { beginning, travel_mm } = sample.reversal[k] {
+            columns[beginning] = spike(sample, k, travel_mm, decay_mm[k]);
+        }
+    }
+    columns
+}
+
+/// What a spike of one changes with its decay, in shares of the decay.
+pub(super) fn of_decay(k: usize, decay_mm: f64, sample: &Sample) -> f64 {
+    match sample.reversal[k] {
+        Reversal::Since(travel_mm) => travel_mm / decay_mm * spike(sample, k, travel_mm, decay_mm),
+        Reversal::Unknown { .. } => 0.0,
+    }
+}
+
+/// What an axis that lags by one after its reversal adds to the reading.
+fn spike(sample: &Sample, k: usize, travel_mm: f64, decay_mm: f64) -> f64 {
+    let (sin, cos) = sample.angle_rad.sin_cos();
+    -sample.direction[k] * (-travel_mm / decay_mm).exp() * [cos, sin][k]
 }

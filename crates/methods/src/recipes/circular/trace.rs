@@ -1,12 +1,13 @@
 //! Circles among the readings: bar in a coordinate plane, two linear axes moving, nothing else.
 
 use super::plate;
+use super::reversals::{self, Reversal};
 use crate::common::{Mounted, Recognised};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 use trunnion_core::statistics::upper_median;
-use trunnion_core::{InstrumentKind, Joint, Point, Setup};
+use trunnion_core::{InstrumentKind, Joint, Point, Setup, State};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, JointErrors, Machine};
@@ -38,12 +39,16 @@ pub(super) struct Trace {
     /// The bar's length is known.
     pub calibrated: bool,
     pub on_the_fly: bool,
+    /// The arc that was read where that is no whole circle, rad.
+    pub arc_rad: Option<f64>,
     /// Where the speed along the path is from.
     pub speed: Speed,
     /// The run with the readings of this trace alone.
     pub run: Run,
     /// In the order they were read.
     pub samples: Vec<Sample>,
+    /// How many beginnings of a pass there are at which an axis may have reversed.
+    pub beginnings: usize,
 }
 
 /// Where the speed along the path is from.
@@ -62,14 +67,9 @@ pub(super) enum Speed {
 }
 
 impl Trace {
-    /// The arc that it covers where that is no whole circle, rad.
-    pub fn arc_rad(&self) -> Option<f64> {
-        let mut angles: Vec<f64> = self.samples.iter().map(|sample| sample.angle_rad).collect();
-        angles.sort_by(f64::total_cmp);
-        let (first, last) = (*angles.first()?, *angles.last()?);
-        let gaps = angles.windows(2).map(|two| two[1] - two[0]).chain([first + TAU - last]);
-        let widest = gaps.fold(0.0, f64::max);
-        (widest > WHOLE_RAD).then_some(TAU - widest)
+    /// Whether the circle was read both ways.
+    pub fn both_ways(&self) -> bool {
+        [1.0, -1.0].iter().all(|way| self.samples.iter().any(|sample| sample.way == *way))
     }
 
     /// Whether the run shows the speed along the path.
@@ -89,8 +89,8 @@ pub(super) struct Sample {
     pub deviation_mm: f64,
     /// Of a and b: ±1 by the way the tool moves against the table along the letter.
     pub direction: [f64; 2],
-    /// Travel of a and b since they last reversed, mm.
-    pub since_reversal_mm: [f64; 2],
+    /// What is known of the last reversal of a and b.
+    pub reversal: [Reversal; 2],
     /// Commanded positions of a and b, mm.
     pub position_mm: [f64; 2],
     /// Speed along the path, mm/s; zero when the run does not show it.
@@ -186,10 +186,12 @@ fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> 
                 stated if stated != 0.0 => stated.signum(),
                 _ => along[k].signum(),
             }),
-            since_reversal_mm: [0, 1].map(|k| match state.since_reversal[[a, b][k]].abs() {
-                stated if stated > 0.0 => stated,
-                // From the last end of the diameter.
-                _ => radius_mm * (1.0 + along[k].signum() * [angle_rad.cos(), angle_rad.sin()][k]),
+            reversal: [0, 1].map(|k| {
+                Reversal::Since(match state.since_reversal[[a, b][k]].abs() {
+                    stated if stated > 0.0 => stated,
+                    // From the last end of the diameter.
+                    _ => radius_mm * (1.0 + along[k].signum() * [angle_rad.cos(), angle_rad.sin()][k]),
+                })
             }),
             position_mm: [a, b].map(|letter| state.position[letter]),
             speed_mm_per_s: state.velocity[a].hypot(state.velocity[b]),
@@ -200,17 +202,63 @@ fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> 
         true => Speed::Run,
         false => speed_by_times(points, &mut samples),
     };
+    let step_mm =
+        |one: &Sample, two: &Sample| (Vector2::from(two.position_mm) - Vector2::from(one.position_mm)).norm();
+    let usual_mm = usual(samples.windows(2).map(|two| step_mm(&two[0], &two[1])));
+    let begins =
+        |one: &Sample, two: &Sample| one.way != two.way || step_mm(one, two) > FARTHEST_STEPS * usual_mm;
+    // At both ends of a pass the speed is known from one side alone, and an axis may just have begun to move.
+    let is_end = |i: usize| {
+        let (before, after) = (i.checked_sub(1).map(|before| &samples[before]), samples.get(i + 1));
+        let here = &samples[i];
+        before.is_none_or(|before| begins(before, here)) || after.is_none_or(|after| begins(here, after))
+    };
+    let is_used = |&i: &usize| {
+        let is_cut = run.kind == RunKind::OnTheFly && is_end(i);
+        !is_cut && !reversals::is_between(&samples[i], usual_mm / radius_mm)
+    };
+    let used: Vec<usize> = (0..samples.len()).filter(is_used).collect();
+    let mut points: Vec<Point> = used.iter().map(|&i| points[i].clone()).collect();
+    let mut samples: Vec<Sample> = used.iter().map(|&i| samples[i]).collect();
+    let beginnings = reversals::find(&mut samples, radius_mm, begins);
+    for (point, sample) in points.iter_mut().zip(&samples).filter(|_| speed == Speed::Run) {
+        move_on_circle(&mut point.state, sample, [a, b], sense, radius_mm);
+    }
     let name = format!("{a}{b}");
     Ok(Trace {
+        arc_rad: arc_rad(angles),
         speed,
-        run: Run { points: points.iter().map(|&point| point.clone()).collect(), ..run.clone() },
+        run: Run { points, ..run.clone() },
         name,
         plane: [a, b],
         radius_mm,
         calibrated: setup.calibrated,
         on_the_fly: true,
         samples,
+        beginnings,
     })
+}
+
+/// The arc that the angles cover where that is no whole circle, rad.
+fn arc_rad(mut angles: Vec<f64>) -> Option<f64> {
+    angles.sort_by(f64::total_cmp);
+    let (first, last) = (*angles.first()?, *angles.last()?);
+    let gaps = angles.windows(2).map(|two| two[1] - two[0]).chain([first + TAU - last]);
+    let widest = gaps.fold(0.0, f64::max);
+    (widest > WHOLE_RAD).then_some(TAU - widest)
+}
+
+/// Speed and acceleration of both axes by that along the path, as a circle of this radius has them. Where they come from the rows, an acceleration is
+/// the second difference of rounded positions, which the deviation of the same row holds too: that is no inertia.
+fn move_on_circle(state: &mut State, sample: &Sample, plane: [Joint; 2], sense: [f64; 2], radius_mm: f64) {
+    let (sin, cos) = sample.angle_rad.sin_cos();
+    let speed = sample.speed_mm_per_s;
+    for (k, letter) in plane.into_iter().enumerate() {
+        state.velocity[letter] = sense[k] * sample.way * speed * [-sin, cos][k];
+        if state.acceleration[letter] != 0.0 {
+            state.acceleration[letter] = -sense[k] * speed * speed / radius_mm * [cos, sin][k];
+        }
+    }
 }
 
 /// Speeds of readings whose rows follow the path in time: way over time to the neighbours of the same way. Rows of which one is earlier than

@@ -53,7 +53,7 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
     let plane = &fit.trace.name;
     let mut values = Vec::new();
     // ISO 230-4 knows whole circles.
-    let of_arc = fit.trace.arc_rad().map_or(String::new(), |arc| {
+    let of_arc = fit.trace.arc_rad.map_or(String::new(), |arc| {
         format!(", of an arc of {:.0}° alone: not of the circle", arc.to_degrees())
     });
     let mut iso = |name: &str, value: f64, kind: ValueKind, note: &str| {
@@ -293,7 +293,7 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
                  The joint fit and `diagnose` look for what is missing."
             ));
         }
-        if let Some(arc) = fit.trace.arc_rad() {
+        if let Some(arc) = fit.trace.arc_rad {
             notes.push(format!(
                 "{plane} covers {:.0}° of 360°: its circular deviations are those of the arc, and errors that only a whole circle separates                  read as each other. Spikes at the ends of the arc are where a pass begins and ends. Run whole circles.",
                 arc.to_degrees()

@@ -1,0 +1,226 @@
+//! `circular` on tables of rows as an import makes them of a controller's log: rounded positions, motion from row to row, and readings
+//! by the distance of two balls and nothing of the estimator.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use trunnion_core::axis::iso::{X, Y, Z};
+use trunnion_core::direction::Travel;
+use trunnion_core::{Point, Quality, State};
+use trunnion_cycles::{Cycle, Run, RunKind};
+use trunnion_machine::shipped;
+use trunnion_methods::findings::Cell;
+use trunnion_methods::recipes::MethodOptions;
+use trunnion_methods::{Findings, recipes};
+
+const UM: f64 = 1e-3;
+const R_MM: f64 = 150.0;
+const FEED_MM_PER_S: f64 = 1000.0 / 60.0;
+const ROW_S: f64 = 0.05;
+const DECAY_MM: f64 = 2.5;
+
+/// What a machine does wrong, of X and Y, and how its circle was read. µm, µrad, µm/m, ms, degrees.
+#[derive(Clone, Copy)]
+struct Bench {
+    ec0y: f64,
+    scale_x: f64,
+    servo_x: f64,
+    backlash: [f64; 2],
+    spike: [f64; 2],
+    setting: [f64; 2],
+    noise: f64,
+    start: f64,
+    ways: &'static [f64],
+    decimals: i32,
+    seed: u64,
+}
+
+const PERFECT: Bench = Bench {
+    ec0y: 0.0,
+    scale_x: 0.0,
+    servo_x: 0.0,
+    backlash: [0.0; 2],
+    spike: [0.0; 2],
+    setting: [0.0; 2],
+    noise: 0.1,
+    start: 0.0,
+    ways: &[1.0, -1.0],
+    decimals: 6,
+    seed: 0,
+};
+
+impl Bench {
+    /// Reading where the tool was sent to `angle`, mm.
+    fn length_mm(&self, angle: f64, way: f64) -> f64 {
+        let turn_rad_per_s = way * FEED_MM_PER_S / R_MM;
+        let late = angle - turn_rad_per_s * self.servo_x * 1e-3;
+        let mut place = [R_MM * late.cos() * (1.0 + self.scale_x * 1e-6), R_MM * angle.sin()];
+        // The ends of the diameters of X lie at whole multiples of π, those of Y a quarter turn on.
+        for (k, first_end) in [0.0, FRAC_PI_2].into_iter().enumerate() {
+            let turns = (angle - first_end) / PI;
+            let end = first_end + PI * if way > 0.0 { turns.floor() } else { turns.ceil() };
+            let at = |angle: f64| R_MM * [angle.cos(), angle.sin()][k];
+            let heading = (at(angle + way * 1e-4) - at(angle)).signum();
+            let stuck = (-(at(angle) - at(end)).abs() / DECAY_MM).exp();
+            place[k] += UM * heading * (0.5 * self.backlash[k] - self.spike[k] * stuck);
+        }
+        place[0] -= self.ec0y * 1e-6 * place[1];
+        let from_ball = [0, 1].map(|k| place[k] - UM * self.setting[k]);
+        from_ball[0].hypot(from_ball[1]) - R_MM
+    }
+
+    fn run(&self) -> Run {
+        let path = format!("{}/../../config/cycles/circle-xy.toml", env!("CARGO_MANIFEST_DIR"));
+        let cycle = Cycle::parse("cycle.toml", &std::fs::read_to_string(path).unwrap())
+            .unwrap_or_else(|problems| panic!("{problems}"));
+        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+        let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };
+        let step = FEED_MM_PER_S / R_MM * ROW_S;
+        let count = (TAU / step) as usize;
+        let round = |mm: f64| (mm * 10f64.powi(self.decimals)).round() / 10f64.powi(self.decimals);
+        let (mut points, mut travel, mut began_s) = (Vec::new(), Travel::default(), 0.0);
+        for &way in self.ways {
+            let from = self.start.to_radians() + if way > 0.0 { 0.0 } else { TAU };
+            let mut pass = Vec::new();
+            for i in 0..count {
+                let angle = from + way * step * i as f64;
+                let mut state = State { time_s: Some(began_s + ROW_S * i as f64), ..State::default() };
+                for (letter, mm) in [(X, R_MM * angle.cos()), (Y, R_MM * angle.sin())] {
+                    state.position[letter] = round(mm);
+                }
+                state.position[Z] = 100.0;
+                travel.fill(&mut state, &[X, Y]);
+                let reading_mm = self.length_mm(angle, way) + UM * self.noise * noise();
+                pass.push(Point {
+                    reading_mm: [reading_mm, 0.0, 0.0],
+                    state,
+                    spread_mm: [0.0; 3],
+                    samples: 1,
+                    quality: Quality::Good,
+                });
+            }
+            // Speeds and accelerations as an import takes them from the rows next to each.
+            for letter in [X, Y] {
+                let at: Vec<f64> = pass.iter().map(|point| point.state.position[letter]).collect();
+                for i in 0..count {
+                    let (before, after) = (i.saturating_sub(1), (i + 1).min(count - 1));
+                    let slope = (at[after] - at[before]) / (ROW_S * (after - before) as f64);
+                    pass[i].state.velocity[letter] = slope;
+                    if after - before == 2 {
+                        let bend = (at[after] - 2.0 * at[i] + at[before]) / ROW_S.powi(2);
+                        pass[i].state.acceleration[letter] = bend;
+                    }
+                }
+            }
+            points.extend(pass);
+            began_s += ROW_S * count as f64 + 10.0;
+        }
+        Run {
+            name: "rows".into(),
+            machine: shipped::machine(&cycle.machine).unwrap(),
+            kind: RunKind::OnTheFly,
+            setups: cycle.setups,
+            channels: vec![],
+            points,
+        }
+    }
+
+    fn circular(&self) -> Findings {
+        let method = recipes::find("circular").unwrap();
+        method.apply(&[self.run()], &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    }
+}
+
+/// Root mean square of error over u of these values over benches; the scale of each is per inside unit.
+fn rms_z(benches: &[Bench], truth: &[(&str, f64)]) -> Vec<(String, f64)> {
+    let found: Vec<Findings> = benches.iter().map(Bench::circular).collect();
+    let of = |(name, truth): &(&str, f64)| {
+        let z = |found: &Findings| {
+            let value = found.value(&format!("XY {name}")).unwrap_or_else(|| panic!("{name}"));
+            (value.value - truth) / value.u.unwrap()
+        };
+        let squares: f64 = found.iter().map(|found| z(found).powi(2)).sum();
+        ((*name).to_string(), (squares / found.len() as f64).sqrt())
+    };
+    truth.iter().map(of).collect()
+}
+
+#[test]
+fn a_ball_set_off_the_centre_is_no_squareness_and_no_scale() {
+    let set = |seed: u64| {
+        let at = |k: u64| ((seed * 37 + k * 101) % 160) as f64 * 10.0 - 800.0;
+        Bench { setting: [at(1), at(2)], seed, ..PERFECT }
+    };
+    let benches: Vec<Bench> = (0..8).map(set).collect();
+    for (name, rms) in rms_z(&benches, &[("EC0Y", 0.0), ("scale X−Y", 0.0), ("servo X−Y", 0.0)]) {
+        assert!(rms < 2.0, "{name}: rms of value over u {rms}");
+    }
+    // And no circular deviation: that of a centred ball is the noise of its readings.
+    let g = |bench: &Bench| bench.circular().value("XY G(b)").unwrap().value / UM;
+    assert!(g(&benches[1]) < 1.5 * g(&PERFECT), "{} and {}", g(&benches[1]), g(&PERFECT));
+}
+
+#[test]
+fn rounded_positions_blow_no_uncertainty_up() {
+    for (decimals, seed) in [(6, 1), (4, 2), (4, 3), (3, 4), (3, 5)] {
+        let bench = Bench {
+            ec0y: 30.0,
+            scale_x: 20.0,
+            servo_x: 0.3,
+            backlash: [-4.0, 2.0],
+            decimals,
+            seed,
+            ..PERFECT
+        };
+        let found = bench.circular();
+        // Rounding to 1 µm is a noise of 0.3 µm.
+        for (name, truth, most_u) in [
+            ("EC0Y", 30e-6, 0.2e-6),
+            ("scale X−Y", 20e-6, 0.2e-6),
+            ("servo X−Y", 0.3e-3, 0.005e-3),
+            ("backlash X", -4.0 * UM, 0.06 * UM),
+            ("backlash Y", 2.0 * UM, 0.06 * UM),
+        ] {
+            let value = found.value(&format!("XY {name}")).unwrap();
+            let u = value.u.unwrap();
+            assert!(u < most_u, "{name}, {decimals} decimals: u {u}");
+            assert!((value.value - truth).abs() < 4.0 * u, "{name}, {decimals} decimals: {value:?}");
+        }
+    }
+}
+
+#[test]
+fn a_pass_begins_without_a_reversal_and_a_spike_is_no_backlash() {
+    for start in [45.0, 0.0] {
+        let bench = |seed| Bench { spike: [3.0, 6.0], start, seed, ..PERFECT };
+        let benches: Vec<Bench> = (0..6).map(bench).collect();
+        let truth = [
+            ("backlash X", 0.0),
+            ("backlash Y", 0.0),
+            ("servo X−Y", 0.0),
+            ("scale X−Y", 0.0),
+            ("reversal spike X", 3.0 * UM),
+            ("reversal spike Y", 6.0 * UM),
+        ];
+        for (name, rms) in rms_z(&benches, &truth) {
+            assert!(rms < 2.1, "start {start}°, {name}: rms of error over u {rms}");
+        }
+    }
+}
+
+#[test]
+fn one_way_gives_no_squareness_and_nothing_to_enter() {
+    let bench =
+        Bench { ec0y: 30.0, servo_x: 0.3, scale_x: 20.0, backlash: [-4.0, 2.0], ways: &[1.0], ..PERFECT };
+    let found = bench.circular();
+    assert!(found.value("XY EC0Y").is_none());
+    assert!(found.value("XY EC0Y with servo X−Y").is_some());
+    let last = |table: &trunnion_methods::findings::FoundTable| {
+        let last: Vec<Cell> = table.rows.iter().filter_map(|row| row.last().cloned()).collect();
+        last
+    };
+    assert!(last(&found.tables[0]).iter().all(|cell| *cell == Cell::Missing), "{:?}", found.tables[0]);
+    let both = Bench { ways: &[1.0, -1.0], ..bench }.circular();
+    assert!(last(&both.tables[0]).iter().any(|cell| matches!(cell, Cell::Text(_))));
+}
