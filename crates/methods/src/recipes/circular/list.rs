@@ -52,16 +52,19 @@ impl ListedKind {
 /// Every error that this trace can hold.
 pub(super) fn listed(machine: &Machine, trace: &Trace) -> Vec<Listed> {
     let [a, b] = trace.plane;
-    let both_ways = [1.0, -1.0].iter().all(|way| trace.samples.iter().any(|s| s.way == *way));
+    let both_ways = trace.both_ways();
     let item = |kind, name: String, unit, about| Listed { kind, name, unit, about };
     let squareness = ["EC0Y", "EA0Z", "EB0Z"][a.index()];
+    let oval = if both_ways {
+        let about = "squareness: oval at 45°, the same both ways";
+        item(ListedKind::Squareness, squareness.into(), Unit::URAD, about)
+    } else {
+        // One name for what is one number, so that nobody takes it for the squareness.
+        let about = "squareness, servo mismatch and a part of any backlash, which one way does not separate: oval at 45°";
+        item(ListedKind::Squareness, format!("{squareness} with servo {a}−{b}"), Unit::URAD, about)
+    };
     let mut list = vec![
-        item(
-            ListedKind::Squareness,
-            squareness.into(),
-            Unit::URAD,
-            "squareness: oval at 45°, the same both ways",
-        ),
+        oval,
         item(
             ListedKind::ScaleMismatch,
             format!("scale {a}−{b}"),

@@ -5,11 +5,10 @@ use super::confounded::{Other, Seen, Together};
 use super::fit::{Fitted, FittedError};
 use super::list::ListedKind;
 use super::planes::together;
-use super::trace::{Speed, Traces};
+use super::trace::{Speed, Trace, Traces};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
 use crate::recipes::{Convention, Method};
 use std::cmp::Ordering::Equal;
-use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::{signed, um};
 use trunnion_cycles::Run;
@@ -196,7 +195,12 @@ fn doubts(fit: &Fitted<'_>) -> Option<FoundTable> {
 
 impl FittedError {
     /// What a person types into the control, with its sign; for errors that controls take as one number, where they are significant.
-    fn to_enter(&self, plane: [Joint; 2]) -> Option<String> {
+    fn to_enter(&self, trace: &Trace) -> Option<String> {
+        // One way, a servo mismatch and backlash read as squareness, lateral play as scale.
+        if !trace.both_ways() {
+            return None;
+        }
+        let plane = trace.plane;
         let (number, unit) = (-self.value * self.listed.unit.per_inside, self.listed.unit.text());
         let what = match self.listed.kind {
             ListedKind::Backlash(k) => format!("backlash compensation of {}", plane[k]),
@@ -235,7 +239,7 @@ fn ranking(fit: &Fitted<'_>) -> FoundTable {
             Cell::Number(error.u * scale),
             Cell::Text(error.listed.unit.text()),
             error.decay_mm.map_or(Cell::Missing, Cell::Number),
-            error.to_enter(fit.trace.plane).map_or(Cell::Missing, Cell::Text),
+            error.to_enter(fit.trace).map_or(Cell::Missing, Cell::Text),
         ]);
     }
     for (name, circularity_mm, share) in [
