@@ -7,7 +7,8 @@
 //! harmonics, each with the amplitude √(A² − 2u²), since noise adds 2u² to A² on average.
 //! Where none is significant, an upper bound stands in its place: noise is longer than q with a chance of 5 %, q² = ν u² (0.05^(−2/ν) − 1), so a true
 //! amplitude is at most A + q, and the range of any one wave at most 2 (A + q).
-//! Of K contours of one error motion that are judged together: p < 5 %/(N K).
+//! Of K contours that are judged together: p < 5 %/(N K). The largest range of K contours of one error motion has no u of its own, since it was
+//! chosen by its noise: an upper bound for all of them together stands in its place, range + q u(range), with the s² of all K, ν = Σ νₖ and 5 %/K in q.
 //! Limits: whole turn; what has more than N waves counts as noise.
 
 use crate::findings::{Cell, Column, FoundTable, FoundValue};
@@ -54,8 +55,9 @@ pub(crate) struct Harmonics {
     pub u_range: f64,
     /// Range of any one wave at most (95 %), whether significant or not.
     pub most: f64,
-    /// ν.
+    /// ν and s of one value.
     freedom: f64,
+    s: f64,
 }
 
 /// How a wave differs between two contours.
@@ -72,11 +74,15 @@ fn chance(in_u: f64, freedom: f64) -> f64 {
     (1.0 + in_u * in_u / freedom).powf(-0.5 * freedom)
 }
 
+/// The length in u that noise exceeds with such a chance, the inverse of [`chance`].
+fn longest(chance: f64, freedom: f64) -> f64 {
+    (freedom * (chance.powf(-2.0 / freedom) - 1.0)).sqrt()
+}
+
 impl Harmonic {
     /// 2 (A + q), where q is the length that noise exceeds with a chance of 5 %.
     fn range_at_most(&self, freedom: f64) -> f64 {
-        let longest = (freedom * (BY_CHANCE.powf(-2.0 / freedom) - 1.0)).sqrt();
-        2.0 * (self.amplitude + longest * self.u)
+        2.0 * (self.amplitude + longest(BY_CHANCE, freedom) * self.u)
     }
 
     /// (aₙ, bₙ).
@@ -97,7 +103,7 @@ impl Harmonics {
         Self::fitted(points, further, 1)
     }
 
-    /// The same for one of so many contours of an error motion, of which the largest will be shown.
+    /// The same for one of so many contours that are judged together.
     pub fn among(points: &[(f64, f64)], contours: usize) -> Option<Self> {
         Self::fitted(points, &[], contours)
     }
@@ -124,6 +130,7 @@ impl Harmonics {
             return None;
         }
         let freedom = (m - fit.rank) as f64;
+        let s = (values.clone() - &design * &fit.x).norm() / freedom.sqrt();
         let harmonic = |(i, &order): (usize, &usize)| {
             let (k, l) = (2 * i + 1, 2 * i + 2);
             let amplitude = fit.x[k].hypot(fit.x[l]);
@@ -137,7 +144,22 @@ impl Harmonics {
         let all: Vec<Harmonic> = orders.iter().enumerate().map(harmonic).collect();
         let (range, u_range) = range(&all);
         let most = all.iter().map(|h| h.range_at_most(freedom)).fold(0.0, f64::max);
-        Some(Self { all, range, u_range, most, freedom })
+        Some(Self { all, range, u_range, most, freedom, s })
+    }
+
+    /// Which of several contours of one error motion may range most, and by how much at most (95 % for all together).
+    pub fn largest_at_most(contours: &[Self]) -> Option<(usize, f64)> {
+        let freedom: f64 = contours.iter().map(|of| of.freedom).sum();
+        let squares: f64 = contours.iter().map(|of| of.freedom * of.s.powi(2)).sum();
+        let (s, longest) = ((squares / freedom).sqrt(), longest(BY_CHANCE / contours.len() as f64, freedom));
+        let at_most = |of: &Self| {
+            let in_u = longest * s / of.s.max(f64::MIN_POSITIVE);
+            match of.all.iter().any(|harmonic| harmonic.significant) {
+                true => of.range + in_u * of.u_range,
+                false => of.all.iter().map(|h| 2.0 * (h.amplitude + in_u * h.u)).fold(0.0, f64::max),
+            }
+        };
+        contours.iter().map(at_most).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// The range as a value: that of the significant waves with its u, else an upper bound that says so in its name.
@@ -282,6 +304,33 @@ mod tests {
         let false_alarms = (0..2000).filter(|&seed| found(seed).range > 0.0).count();
         // 5 % of 2000, ± 3 standard deviations of a binomial.
         assert!((70..=130).contains(&false_alarms), "{false_alarms} of 2000");
+    }
+
+    #[test]
+    fn contours_that_are_judged_together_share_the_chance() {
+        let together = |seed: u64| {
+            (0..5).any(|k| Harmonics::among(&noisy(12, 1.0, 5 * seed + k, |_| 0.0), 5).unwrap().range > 0.0)
+        };
+        let false_alarms = (0..1000).filter(|&seed| together(seed)).count();
+        // 5 % of 1000 and 3 standard deviations of a binomial at most; Bonferroni makes it a little less.
+        assert!((20..=71).contains(&false_alarms), "{false_alarms} of 1000");
+    }
+
+    #[test]
+    fn the_largest_of_several_contours_is_below_its_upper_bound() {
+        for amplitude in [0.5, 8.0] {
+            let at_most = |seed: u64| {
+                let of = |k| noisy(12, 1.0, 7 * seed + k, |a| amplitude * (2.0 * a).cos());
+                let all: Vec<Harmonics> = (0..7).map(|k| Harmonics::among(&of(k), 35).unwrap()).collect();
+                Harmonics::largest_at_most(&all).unwrap().1
+            };
+            let bounds: Vec<f64> = (0..400).map(at_most).collect();
+            let held = bounds.iter().filter(|bound| **bound >= 2.0 * amplitude).count();
+            assert!(held >= 380, "{held} of 400 at {amplitude}");
+            // No wilder than noise of the readings makes it.
+            let mean = bounds.iter().sum::<f64>() / 400.0;
+            assert!(mean < 2.0 * amplitude + 6.0, "{mean} at {amplitude}");
+        }
     }
 
     #[test]

@@ -11,7 +11,6 @@ use crate::common::harmonics::{self, Harmonics};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method, MethodOptions};
 use nalgebra::Vector3;
-use std::cmp::Ordering::Equal;
 use trunnion_core::Twist;
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
 use trunnion_core::number::{fixed, signed, trimmed, um};
@@ -101,28 +100,35 @@ fn variations(
     values
 }
 
-/// Of each component of the turning axis the tilt at which its significant waves range most; where none is significant, the upper bound
-/// of the tilt that allows most.
+/// Of each component of the turning axis the tilt that allows the largest range of its waves, and the upper bound there. A range with an
+/// uncertainty is given of the mean over the tilts alone: the largest of several is so by its noise too.
 fn at_the_tilts(grid: &Grid<'_>, c_errors: &CErrors) -> Vec<FoundValue> {
-    let tilts = grid.tilts_rad.len();
-    let shown = components(grid.turning).into_iter().filter(|(name, ..)| !is_about_itself(name));
-    let largest = |(name, unit, of): Component| {
+    let shown = of_turning(grid);
+    let contours = grid.tilts_rad.len() * shown.len();
+    let largest = |(name, unit, of): &Component| {
         let at = |tilt: usize| {
             let read = grid.turns_rad.iter().zip(&c_errors.at[tilt]);
             let points: Vec<_> =
                 read.filter_map(|(turn, twist)| Some((*turn, of(twist.as_ref()?)))).collect();
-            Some((tilt, Harmonics::among(&points, tilts)?))
+            Some((tilt, Harmonics::among(&points, contours)?))
         };
-        let size = |of: &Harmonics| (of.range, of.most);
-        let (tilt, most) =
-            (0..tilts).filter_map(at).max_by(|a, b| size(&a.1).partial_cmp(&size(&b.1)).unwrap_or(Equal))?;
-        let angle = trimmed(deg_from_rad(grid.tilts_rad[tilt]), 2);
-        let value = most.range_value(&format!("{name} largest"), unit);
-        let note =
-            format!("at {} = {angle}°, of {tilts} tilts judged together; {}", grid.tilting, value.note);
-        Some(value.note(note))
+        let (tilts, all): (Vec<usize>, Vec<Harmonics>) = (0..grid.tilts_rad.len()).filter_map(at).unzip();
+        let (which, most) = Harmonics::largest_at_most(&all)?;
+        let angle = trimmed(deg_from_rad(grid.tilts_rad[tilts[which]]), 2);
+        let note = format!(
+            "at {} = {angle}°, upper bound (95 %) of all {} tilts together; {}",
+            grid.tilting,
+            tilts.len(),
+            all[which].words(*unit)
+        );
+        Some(FoundValue::new(format!("{name} largest range at most"), most, *unit, None).note(note))
     };
-    shown.filter_map(largest).collect()
+    shown.iter().filter_map(largest).collect()
+}
+
+/// Components of the turning axis that the map shows.
+fn of_turning(grid: &Grid<'_>) -> Vec<Component> {
+    components(grid.turning).into_iter().filter(|(name, ..)| !is_about_itself(name)).collect()
 }
 
 /// What each step leaves of the readings, rms per component.
@@ -195,15 +201,17 @@ fn map_of_tilting(grid: &Grid<'_>, b_errors: &BErrors) -> FoundTable {
 
 /// Of the errors of the turning axis, mean over the tilts.
 fn harmonics_of_turning(grid: &Grid<'_>, c_errors: &CErrors) -> Vec<(String, Unit, Harmonics)> {
-    let shown = components(grid.turning).into_iter().filter(|(name, ..)| !is_about_itself(name));
-    let found = shown.filter_map(|(name, unit, of)| {
+    let shown = of_turning(grid);
+    let count = shown.len();
+    let found = shown.into_iter().filter_map(|(name, unit, of)| {
         let mean = |turn: usize| {
             let read: Vec<f64> =
                 c_errors.at.iter().filter_map(|of_tilt| of_tilt[turn].as_ref().map(&of)).collect();
             (!read.is_empty()).then(|| read.iter().sum::<f64>() / read.len() as f64)
         };
         let points = grid.turns_rad.iter().enumerate().filter_map(|(k, turn)| Some((*turn, mean(k)?)));
-        Some((name, unit, Harmonics::of(&points.collect::<Vec<_>>())?))
+        // They stand in one table, so 5 % is the chance that noise makes any of them significant.
+        Some((name, unit, Harmonics::among(&points.collect::<Vec<_>>(), count)?))
     });
     found.collect()
 }
