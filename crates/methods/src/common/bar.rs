@@ -13,10 +13,14 @@ const ROUNDS: usize = 3;
 /// Relative singular value below which a direction of e is not determined well enough to take anything off by it.
 pub(crate) const OFF_TOLERANCE: f64 = 1e-2;
 
-/// What a bar reads less its first order, ‖b + e‖ − ‖b‖ − n·e, mm.
-pub(crate) fn beyond_first_order_mm(bar_mm: &Vector3<f64>, off_mm: &Vector3<f64>) -> f64 {
-    let length_mm = bar_mm.norm();
-    (bar_mm + off_mm).norm() - length_mm - bar_mm.dot(off_mm) / length_mm
+/// What a bar reads, ‖b + e‖ − ‖b‖, mm.
+pub(crate) fn read_mm(bar_mm: &Vector3<f64>, off_mm: &Vector3<f64>) -> f64 {
+    (bar_mm + off_mm).norm() - bar_mm.norm()
+}
+
+/// The same less its first order, n·e, mm.
+fn beyond_first_order_mm(bar_mm: &Vector3<f64>, off_mm: &Vector3<f64>) -> f64 {
+    read_mm(bar_mm, off_mm) - bar_mm.dot(off_mm) / bar_mm.norm()
 }
 
 /// Readings (mm) as they would be if they were n·e. `off_mm` finds the e of each reading from such readings.

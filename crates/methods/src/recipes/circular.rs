@@ -24,6 +24,7 @@ mod list;
 mod planes;
 mod plate;
 mod reversals;
+mod sample;
 mod solved;
 mod trace;
 mod values;

@@ -2,9 +2,10 @@
 
 use super::confounded::{Other, Together, confounded_together, one_number, others};
 use super::list::{Listed, ListedKind, columns, listed, of_beginnings, of_decay};
+use super::sample::Sample;
 use super::solved::{CENTRING, TOLERANCE, widened};
-use super::trace::{Sample, Trace};
-use crate::common::bar::{OFF_TOLERANCE, to_first_order};
+use super::trace::Trace;
+use crate::common::bar::{OFF_TOLERANCE, read_mm, to_first_order};
 use crate::common::stations::Stations;
 use crate::geometry;
 use crate::recipes::{Method, MethodError};
@@ -129,7 +130,7 @@ impl<'a> Fitted<'a> {
         }
         errors.sort_by(|a, b| b.circularity_mm.total_cmp(&a.circularity_mm));
         let measured = centred(&deviation);
-        let angles: Vec<f64> = samples.iter().map(|s| s.angle_rad).collect();
+        let angles: Vec<f64> = trace.read.iter().map(|s| s.angle_rad).collect();
         let stations = match trace.on_the_fly {
             true => Stations::of_sweeps(&angles, true),
             false => Stations::of_grid(angles.iter().copied(), true),
@@ -143,11 +144,13 @@ impl<'a> Fitted<'a> {
             .map(|&way| (way, [&measured, &explained, &left].map(|of| contour(way, of))))
             .collect();
         // About the centre, where an angle of the bar is one of the circle; the mean radius stays.
-        let mut setting = least_squares(&centring, &deviation, TOLERANCE).x;
-        setting[0] = 0.0;
-        let about_centre = &deviation - &centring * setting;
-        let as_read: Vec<(f64, Contour)> =
-            ways.iter().map(|&way| (way, contour(way, &about_centre))).collect();
+        let setting = least_squares(&centring, &deviation, TOLERANCE).x;
+        let setting_mm = Vector3::new(setting[1], setting[2], 0.0);
+        let about_centre =
+            |s: &Sample| (s.angle_rad, s.deviation_mm - read_mm(&bar_mm(trace, s), &setting_mm));
+        let of_way = |way: f64| trace.read.iter().filter(move |sample| sample.way == way);
+        let as_read = |&way: &f64| (way, stations.contour(of_way(way).map(about_centre)));
+        let as_read: Vec<(f64, Contour)> = ways.iter().map(as_read).collect();
         let rms = |of: &DVector<f64>| of.norm() / (of.len() as f64).sqrt();
         let over = |k: usize| range(contours.iter().flat_map(|(_, c)| c[k].iter().map(|(_, v)| *v)));
         let freedom = (samples.len() - fit.rank).max(1) as f64;
@@ -230,15 +233,17 @@ impl Iso {
 
 /// Deviations as if the ball sat so little off the centre that it reads as cos φ and sin φ alone.
 fn of_centre(trace: &Trace, centring: &DMatrix<f64>, read: &DVector<f64>) -> DVector<f64> {
-    let bar = |sample: &Sample| {
-        let (sin, cos) = sample.angle_rad.sin_cos();
-        Vector3::new(cos, sin, 0.0) * trace.radius_mm
-    };
-    let bars_mm: Vec<Vector3<f64>> = trace.samples.iter().map(bar).collect();
+    let bars_mm: Vec<Vector3<f64>> = trace.samples.iter().map(|sample| bar_mm(trace, sample)).collect();
     to_first_order(read, &bars_mm, |deviation| {
         let centre = least_squares(centring, deviation, OFF_TOLERANCE).x;
         vec![Vector3::new(centre[1], centre[2], 0.0); bars_mm.len()]
     })
+}
+
+/// From the table's ball to the tool's in the plane.
+fn bar_mm(trace: &Trace, sample: &Sample) -> Vector3<f64> {
+    let (sin, cos) = sample.angle_rad.sin_cos();
+    Vector3::new(cos, sin, 0.0) * trace.radius_mm
 }
 
 fn centre_row(sample: &Sample) -> [f64; CENTRING] {

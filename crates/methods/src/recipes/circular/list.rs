@@ -1,7 +1,7 @@
 //! The classical errors of a circle, each as columns over the trace (header of `circular`).
 
-use super::reversals::Reversal;
-use super::trace::{Sample, Trace};
+use super::sample::{Reversal, Sample};
+use super::trace::Trace;
 use std::f64::consts::TAU;
 use trunnion_core::Joint;
 use trunnion_effects::Unit;

@@ -5,22 +5,13 @@
 //! reversal; from rest or out of a straight line the axis may reverse right at the beginning, and so stick there as it does at an end, or not. Where the
 //! travel that the run states begins anew there, it is the rows that begin, not known to be the axis: what sticks at that beginning is a size of its own.
 
-use super::trace::Sample;
+use super::sample::{Reversal, Sample};
 
 /// The travel that a run states may be this share of the radius less than that since the end of the diameter: the shortest decay of a spike.
 const APART: f64 = 0.002;
 
 /// Readings by an end that the run counts to the way before it, of so many steps. A direction from row to row changes one row late.
 const LATE_STEPS: f64 = 1.5;
-
-/// The last reversal of one axis before one reading.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Reversal {
-    /// Travel since, mm.
-    Since(f64),
-    /// Not known: the number of the beginning, and the travel since, mm.
-    Unknown { beginning: usize, travel_mm: f64 },
-}
 
 /// True just beyond an end of a diameter, where the run says that the axis has not reversed yet: by one of both the reading would be wrong.
 pub(super) fn is_between(sample: &Sample, usual_step_rad: f64) -> bool {

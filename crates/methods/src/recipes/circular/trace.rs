@@ -1,7 +1,8 @@
 //! Circles among the readings: bar in a coordinate plane, two linear axes moving, nothing else.
 
 use super::plate;
-use super::reversals::{self, Reversal};
+use super::reversals;
+use super::sample::{Reversal, Sample};
 use crate::common::{Mounted, Recognised};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Vector2, Vector3};
@@ -45,7 +46,9 @@ pub(super) struct Trace {
     pub speed: Speed,
     /// The run with the readings of this trace alone.
     pub run: Run,
-    /// In the order they were read.
+    /// All of them, in the order they were read: the values of ISO 230-4.
+    pub read: Vec<Sample>,
+    /// Those that the list is fitted to.
     pub samples: Vec<Sample>,
     /// How many beginnings of a pass there are at which an axis may have reversed.
     pub beginnings: usize,
@@ -76,25 +79,6 @@ impl Trace {
     pub fn knows_speed(&self) -> bool {
         matches!(self.speed, Speed::Run | Speed::Times)
     }
-}
-
-/// One reading.
-#[derive(Clone, Copy)]
-pub(super) struct Sample {
-    /// φ, −π…π.
-    pub angle_rad: f64,
-    /// d: +1 counter-clockwise (from the first letter to the second), −1 clockwise.
-    pub way: f64,
-    /// Reading less that of the nominal machine, mm.
-    pub deviation_mm: f64,
-    /// Of a and b: ±1 by the way the tool moves against the table along the letter.
-    pub direction: [f64; 2],
-    /// What is known of the last reversal of a and b.
-    pub reversal: [Reversal; 2],
-    /// Commanded positions of a and b, mm.
-    pub position_mm: [f64; 2],
-    /// Speed along the path, mm/s; zero when the run does not show it.
-    pub speed_mm_per_s: f64,
 }
 
 /// Every circle of the runs.
@@ -219,7 +203,8 @@ fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> 
     };
     let used: Vec<usize> = (0..samples.len()).filter(is_used).collect();
     let mut points: Vec<Point> = used.iter().map(|&i| points[i].clone()).collect();
-    let mut samples: Vec<Sample> = used.iter().map(|&i| samples[i]).collect();
+    let read = samples;
+    let mut samples: Vec<Sample> = used.iter().map(|&i| read[i]).collect();
     let beginnings = reversals::find(&mut samples, radius_mm, begins);
     for (point, sample) in points.iter_mut().zip(&samples).filter(|_| speed == Speed::Run) {
         move_on_circle(&mut point.state, sample, [a, b], sense, radius_mm);
@@ -234,6 +219,7 @@ fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> 
         radius_mm,
         calibrated: setup.calibrated,
         on_the_fly: true,
+        read,
         samples,
         beginnings,
     })
