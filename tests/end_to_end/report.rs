@@ -1,6 +1,7 @@
 //! A report to be filed, and a certificate, through the binary.
 
 use crate::program::{data, import, import_and_add, json, output, trunnion};
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::Command;
 
@@ -137,6 +138,38 @@ fn without_a_browser_the_page_is_written_and_the_command_says_what_is_missing() 
     // One that ends well and writes nothing.
     let (error, code) = with_browser(Path::new("/bin/true"), &args);
     assert!(code == Some(1) && error.contains("wrote no"), "{code:?} {error}");
+}
+
+/// Chromium ends with 0 where the disk was full, and leaves what it had written.
+#[test]
+fn a_pdf_that_ends_early_is_refused_and_names_the_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = import("points-nothing-hidden", folder.path());
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    let browser = |name: &str, printed: &str| {
+        let writes =
+            "for a in \"$@\"; do case $a in --print-to-pdf=*) cp \"$PRINTED\" \"${a#*=}\";; esac; done";
+        std::fs::write(file(&format!("{name}.printed")), printed).unwrap();
+        let script = format!("#!/bin/sh\nPRINTED='{}'\n{writes}\n", file(&format!("{name}.printed")));
+        std::fs::write(file(name), script).unwrap();
+        std::fs::set_permissions(file(name), PermissionsExt::from_mode(0o755)).unwrap();
+        folder.path().join(name)
+    };
+    let report = |pdf: &str| ["report", &run, "-o", &file("page.html"), "--pdf", pdf].map(str::to_owned);
+    let print =
+        |browser: &Path, pdf: &str| with_browser(browser, &report(pdf).each_ref().map(String::as_str));
+    let whole = browser("whole", "%PDF-1.4\nall of it\n%%EOF\n");
+    assert_eq!(print(&whole, &file("page.pdf")).1, Some(0));
+    let (error, code) = print(&browser("cut", "%PDF-1.4\nhalf of"), &file("page.pdf"));
+    assert!(
+        code == Some(1) && error.contains("MB are free in") && error.contains("page is written"),
+        "{error}"
+    );
+    let kept = std::fs::read_to_string(file("page.pdf")).unwrap();
+    assert!(kept.ends_with("%%EOF\n"), "the earlier one stays: {kept}");
+    // Room for the browser, none where the PDF is kept.
+    let (error, code) = print(&whole, "/dev/full");
+    assert!(code == Some(1) && error.contains("/dev/full: No space left"), "{code:?} {error}");
 }
 
 #[test]

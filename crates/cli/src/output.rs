@@ -39,10 +39,12 @@ fn is_same(one: &Path, other: &Path) -> bool {
     place(one).is_some_and(|there| place(other) == Some(there))
 }
 
-/// Writes a text file whole or not at all, and not in the place of a file of another kind that this program reads. A pipe or a device takes the text as it comes, and so does a file whose folder takes no other
-/// next to it.
-pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    let in_place = || std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()));
+/// Writes a file whole or not at all, and not in the place of a file of another kind that this program reads. A pipe or a device takes what
+/// is written as it comes, and so does a file whose folder takes no other next to it.
+pub fn write(path: &Path, contents: &(impl AsRef<[u8]> + ?Sized)) -> anyhow::Result<()> {
+    let contents = contents.as_ref();
+    let in_place =
+        || std::fs::write(path, contents).with_context(|| format!("cannot write {}", path.display()));
     // /dev/stdout may lead to a file that is open.
     let is_open = path.starts_with("/dev") || path.starts_with("/proc");
     // A symbolic link stays, and what it leads to is written, there or not yet. A hard link keeps the old text.
@@ -53,7 +55,7 @@ pub fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     if is_open || is_link_to_nothing || !is_file {
         return in_place();
     }
-    match trunnion::files::write_whole(&place, text) {
+    match trunnion::files::write_whole(&place, contents) {
         Err(Error::Write { source, .. }) if place.exists() && is_of_folder(source.kind()) => in_place(),
         written => Ok(written?),
     }

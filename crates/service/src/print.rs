@@ -1,7 +1,9 @@
 //! A page becomes a PDF by a browser of this computer.
 
-use std::io::Read;
-use std::os::unix::fs::MetadataExt;
+use crate::storage::free_mb;
+use std::fs::DirBuilder;
+use std::io::{ErrorKind, Read};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -64,35 +66,86 @@ pub enum PrintError {
     #[error("the program ends, and the PDF is not printed")]
     Stopped,
     /// It ended well and wrote nothing.
-    #[error("{} wrote no {}; the page is complete", browser.display(), pdf.display())]
+    #[error(
+        "{} wrote no PDF; {free_mb:.0} MB are free in {}, where it writes; the page is complete",
+        browser.display(),
+        folder.display()
+    )]
     Nothing {
         /// The browser.
         browser: PathBuf,
-        /// What it was to write.
-        pdf: PathBuf,
+        /// Where it was to write.
+        folder: PathBuf,
+        /// Free there, MB.
+        free_mb: f64,
+    },
+    /// It ended well and wrote the beginning of a PDF: Chromium does not look at what a write answers.
+    #[error(
+        "the PDF of {} ends after {bytes} bytes, before its end: {free_mb:.0} MB are free in {}, where it writes; make room there, or set \
+         TMPDIR to a folder with more, and print again; the page is written",
+        browser.display(),
+        folder.display()
+    )]
+    Cut {
+        /// The browser.
+        browser: PathBuf,
+        /// What is there.
+        bytes: usize,
+        /// Where.
+        folder: PathBuf,
+        /// Free there, MB.
+        free_mb: f64,
     },
 }
 
-/// Prints `page` to `pdf`, unless `is_stopped` before it is done.
+/// The PDF of `page`, whole, unless `is_stopped` before it is done. A browser does not say that a disk is full: it writes into a folder of
+/// its own, and whoever keeps the PDF learns what became of it from the write.
 ///
 /// # Errors
 /// No browser on this computer, or one that does not print.
-pub fn pdf(page: &Path, pdf: &Path, is_stopped: &dyn Fn() -> bool) -> Result<(), PrintError> {
+pub fn pdf(page: &Path, is_stopped: &dyn Fn() -> bool) -> Result<Vec<u8>, PrintError> {
     let is_confined = std::fs::read_to_string("/proc/self/status").is_ok_and(|status| confines(&status));
     let browser = browser(is_confined)?;
     let page = page.canonicalize().map_err(io("find", page))?;
-    let pdf = std::path::absolute(pdf).map_err(io("write", pdf))?;
     let profile = std::env::temp_dir().join(format!("trunnion-print-{}", std::process::id()));
-    let mut command = command(&browser, &page, &pdf, &profile, is_confined);
-    let started = command.spawn().map_err(io("start the browser", &browser));
-    let printed = started.and_then(|mut child| wait(&mut child, &browser, is_stopped));
-    // The profile is of no use to anybody; where it is not there, the browser made none.
+    let printed = print_in(&profile, &browser, &page, is_confined, is_stopped);
+    // The profile is of no use to anybody; where it is not there, nothing was begun.
     std::fs::remove_dir_all(&profile).ok();
-    printed?;
-    match std::fs::metadata(&pdf).map_or(0, |about| about.len()) {
-        0 => Err(PrintError::Nothing { browser, pdf }),
-        _ => Ok(()),
+    printed
+}
+
+fn print_in(
+    profile: &Path,
+    browser: &Path,
+    page: &Path,
+    is_confined: bool,
+    is_stopped: &dyn Fn() -> bool,
+) -> Result<Vec<u8>, PrintError> {
+    // One of another process of this number, or of somebody who guessed the name, is none of ours.
+    std::fs::remove_dir_all(profile).ok();
+    DirBuilder::new().mode(0o700).create(profile).map_err(io("make", profile))?;
+    let pdf = profile.join("printed.pdf");
+    let mut command = command(browser, page, &pdf, profile, is_confined);
+    let mut child = command.spawn().map_err(io("start the browser", browser))?;
+    wait(&mut child, browser, is_stopped)?;
+    let printed = match std::fs::read(&pdf) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
+        read => read.map_err(io("read", &pdf))?,
+    };
+    if is_whole(&printed) {
+        return Ok(printed);
     }
+    let (browser, folder) = (browser.to_owned(), std::env::temp_dir());
+    let free_mb = free_mb(&folder).map_err(io("ask for the room in", &folder))?;
+    Err(match printed.len() {
+        0 => PrintError::Nothing { browser, folder, free_mb },
+        bytes => PrintError::Cut { browser, bytes, folder, free_mb },
+    })
+}
+
+/// A PDF ends with this mark, with at most a line break behind it [ISO 32000-1, 7.5.5].
+fn is_whole(pdf: &[u8]) -> bool {
+    pdf.trim_ascii_end().ends_with(b"%%EOF")
 }
 
 /// What the PDF of `page` lacks on this computer: characters of its language that the browser has no font for, and draws as boxes.

@@ -12,6 +12,7 @@ mod today;
 pub use config::StorageConfig;
 pub use lock::{FolderLock, LockError};
 pub use retention::Removed;
+pub(crate) use space::free_mb;
 pub use space::{Need, Room};
 pub use today::{Today, WallClock};
 
@@ -52,7 +53,7 @@ impl Storage {
     /// # Errors
     /// When the system does not say.
     pub fn free_mb(&self) -> std::io::Result<f64> {
-        space::free_mb(&self.folder)
+        free_mb(&self.folder)
     }
 
     /// Makes room for what a cycle needs, and says whether there is.

@@ -76,13 +76,14 @@ pub fn may_be_replaced(path: &Path) -> Result<(), Error> {
     not_lost(path, Holds::Other)
 }
 
-/// Writes a text file whole or not at all: next to it first, then under its name. Whoever could not read the file before can read
+/// Writes a file whole or not at all: next to it first, then under its name. Whoever could not read the file before can read
 /// neither of the two: a configuration may hold a password.
 ///
 /// # Errors
 /// A file that cannot be written, or one in its place that this program reads and that is of another kind.
-pub fn write_whole(path: &Path, text: &str) -> Result<(), Error> {
-    not_lost(path, Holds::of(text.as_bytes()))?;
+pub fn write_whole(path: &Path, contents: &(impl AsRef<[u8]> + ?Sized)) -> Result<(), Error> {
+    let contents = contents.as_ref();
+    not_lost(path, Holds::of(contents))?;
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.tmp", std::process::id()));
     let beside: PathBuf = path.with_file_name(name);
@@ -93,7 +94,7 @@ pub fn write_whole(path: &Path, text: &str) -> Result<(), Error> {
             options.mode(before.permissions().mode() & 0o777);
         }
         let mut file = options.open(&beside)?;
-        file.write_all(text.as_bytes())?;
+        file.write_all(contents)?;
         file.sync_all()?;
         std::fs::rename(&beside, path)?;
         // The new name is not on the disk before its folder is.

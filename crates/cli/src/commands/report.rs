@@ -114,7 +114,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     output::write(&page, &report_html(&report, args.language))?;
     report.html = Some(page.display().to_string());
     if let Some(pdf) = &args.pdf {
-        print::pdf(&page, pdf, &|| false)?;
+        output::write(pdf, &print::pdf(&page, &|| false)?)?;
         report.pdf = Some(pdf.display().to_string());
         report.pdf_lacks = print::lacks(&page, &|| false)?;
         if report.pdf_lacks.is_some() {

@@ -59,8 +59,7 @@ async fn file(
         let _alone = page.filing.lock().unwrap_or_else(PoisonError::into_inner);
         // One of an earlier page is none of this.
         remove(&old).map_err(Refusal::NotWritten)?;
-        let written = write_whole(&html, &String::from_utf8_lossy(&text));
-        written.map_err(|failure| Refusal::NotWritten(chain(&failure)))?;
+        write_whole(&html, &text).map_err(|failure| Refusal::NotWritten(chain(&failure)))?;
         Ok(html.display().to_string())
     })
     .await?;
@@ -111,27 +110,17 @@ fn keep_pdf(
     html: &FilePath,
     pdf: &FilePath,
     filing: &Mutex<()>,
-    print: impl FnOnce(&FilePath, &FilePath) -> Result<(), PrintError>,
+    print: impl FnOnce(&FilePath) -> Result<Vec<u8>, PrintError>,
 ) -> Result<(), Refusal> {
     let first = |_| Refusal::NotNow("file the report first: the PDF is printed from its page");
     let text = std::fs::read(html).map_err(first)?;
-    let fresh = pdf.with_extension("pdf.partial");
-    let printed = print(html, &fresh).map_err(|failure| Refusal::NotWritten(chain(&failure)));
-    let kept = printed.and_then(|()| {
-        let _alone = filing.lock().unwrap_or_else(PoisonError::into_inner);
-        // Somebody else may have filed another language or name while the browser worked.
-        if std::fs::read(html).ok() != Some(text) {
-            return Err(Refusal::NotNow("the report was filed again while it was printed: print it again"));
-        }
-        let refused = |error| Refusal::NotWritten(format!("cannot rename {}: {error}", fresh.display()));
-        std::fs::rename(&fresh, pdf).map_err(refused)
-    });
-    if kept.is_err()
-        && let Err(left) = remove(&fresh)
-    {
-        tracing::warn!("{left}");
+    let printed = print(html).map_err(|failure| Refusal::NotWritten(chain(&failure)))?;
+    let _alone = filing.lock().unwrap_or_else(PoisonError::into_inner);
+    // Somebody else may have filed another language or name while the browser worked.
+    if std::fs::read(html).ok() != Some(text) {
+        return Err(Refusal::NotNow("the report was filed again while it was printed: print it again"));
     }
-    kept
+    write_whole(pdf, &printed).map_err(|failure| Refusal::NotWritten(chain(&failure)))
 }
 
 impl Page {
@@ -144,7 +133,7 @@ impl Page {
     /// Prints the filed page of a run: page, PDF, and what the PDF lacks.
     fn print(&self, name: &str) -> Result<(PathBuf, PathBuf, Option<String>), Refusal> {
         let (html, pdf) = (self.place(name, PAGE)?, self.place(name, PDF)?);
-        let print = |html: &FilePath, pdf: &FilePath| print::pdf(html, pdf, &|| self.cancel.is_cancelled());
+        let print = |html: &FilePath| print::pdf(html, &|| self.cancel.is_cancelled());
         keep_pdf(&html, &pdf, &self.filing, print)?;
         let lacks = print::lacks(&html, &|| self.cancel.is_cancelled());
         let lacks = lacks.map_err(|failure| Refusal::NotWritten(chain(&failure)))?;
@@ -171,26 +160,19 @@ mod tests {
         let [html, pdf] = [PAGE, PDF].map(|ending| folder.path().join(format!("run.{ending}")));
         let filing = Mutex::default();
         let names = || std::fs::read_dir(folder.path()).unwrap().count();
-        let print = |_: &FilePath, to: &FilePath| {
-            std::fs::write(to, "printed").unwrap();
-            Ok(())
-        };
+        let print = |_: &FilePath| Ok(b"printed".to_vec());
         assert!(matches!(keep_pdf(&html, &pdf, &filing, print), Err(Refusal::NotNow(_))), "nothing is filed");
         std::fs::write(&html, "of Ada").unwrap();
         keep_pdf(&html, &pdf, &filing, print).unwrap();
         assert_eq!((std::fs::read_to_string(&pdf).unwrap().as_str(), names()), ("printed", 2));
         std::fs::remove_file(&pdf).unwrap();
-        let filed_again = |from: &FilePath, to: &FilePath| {
+        let filed_again = |from: &FilePath| {
             std::fs::write(from, "of Bea").unwrap();
-            print(from, to)
+            print(from)
         };
         let refused = keep_pdf(&html, &pdf, &filing, filed_again).unwrap_err();
         assert!(refused.to_string().contains("filed again"), "{refused}");
-        let failed = |_: &FilePath, to: &FilePath| {
-            std::fs::write(to, "half").unwrap();
-            Err(PrintError::Stopped)
-        };
-        assert!(keep_pdf(&html, &pdf, &filing, failed).is_err());
+        assert!(keep_pdf(&html, &pdf, &filing, |_| Err(PrintError::Stopped)).is_err());
         assert_eq!(names(), 1, "the page alone");
     }
 }

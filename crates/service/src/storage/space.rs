@@ -91,7 +91,7 @@ impl fmt::Display for Room {
 }
 
 /// Free for this process, MB.
-pub(super) fn free_mb(folder: &Path) -> std::io::Result<f64> {
+pub(crate) fn free_mb(folder: &Path) -> std::io::Result<f64> {
     let about = statvfs(folder)?;
     Ok(about.blocks_available() as f64 * about.fragment_size() as f64 / 1e6)
 }
