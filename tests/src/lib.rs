@@ -7,6 +7,7 @@ pub mod carried;
 pub mod convergence;
 pub mod course;
 pub mod in_turn;
+pub mod json_schema;
 pub mod log;
 pub mod mosquitto;
 pub mod page_status;

@@ -118,7 +118,10 @@ pub use story::{
     Fact, RunFound, RunLine, RunList, RunListFormat, Story, StoryCandidate, StoryFormat, StorySection,
 };
 pub use time_quality::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
-pub use topics::{Published, SamplesRemoved, StorageNow, StorageState};
+pub use topics::{
+    OF_THE_PRESENT, Offline, OfflineReason, OfflineState, OrOffline, Published, SamplesRemoved, StorageNow,
+    StorageState,
+};
 pub use volumetric::{
     Datum, ErrorAt, ErrorMap, ErrorMapFormat, Looked, Unseen, Volumetric, VolumetricFormat, VolumetricValue,
 };

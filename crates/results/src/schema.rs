@@ -4,9 +4,9 @@ use crate::{
     Added, AlarmsNow, AxisErrors, Check, Comparison, Correction, CorrectionJudged, CycleProgress,
     DayForecast, Demo, DevicesChecked, DevicesFound, Diagnosis, ErrorMap, Filed, Findings, FormulaChecked,
     Identification, Imported, Joined, Ladder, Linear, Live, MachineHistory, MethodList, ModelChanged,
-    NcProgram, NestCalibrated, PageStatus, Plan, Prediction, Preview, Published, ReadyNow, Removed, Report,
-    ResultNow, RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus, SetUpState, SignTest, Simulation,
-    StorageNow, Story, TimeQuality, Trial, Volumetric, to_json,
+    NcProgram, NestCalibrated, OF_THE_PRESENT, OrOffline, PageStatus, Plan, Prediction, Preview, Published,
+    ReadyNow, Removed, Report, ResultNow, RunList, RunRecord, SamplesRemoved, Scrubbed, ServiceStatus,
+    SetUpState, SignTest, Simulation, StorageNow, Story, TimeQuality, Trial, Volumetric, to_json,
 };
 use schemars::{JsonSchema, Schema, schema_for};
 
@@ -67,7 +67,15 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
 
 /// The schema of a topic, under the name that the topic gives it.
 fn of_topic<T: Published + JsonSchema>() -> (&'static str, Schema) {
-    (T::SCHEMA, schema_for!(T))
+    let now = schema_for!(T);
+    if !OF_THE_PRESENT.contains(&T::TOPIC) {
+        return (T::SCHEMA, now);
+    }
+    let mut either = schema_for!(OrOffline<T>);
+    for key in ["title", "description"] {
+        either.insert(key.into(), now.get(key).cloned().unwrap_or_default());
+    }
+    (T::SCHEMA, either)
 }
 
 /// A schema as its file holds it.

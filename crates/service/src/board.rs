@@ -5,11 +5,8 @@ use crate::operator::Operator;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
-use trunnion::results::Published;
+use trunnion::results::{OF_THE_PRESENT, Offline, OfflineReason, OfflineState, Published};
 use trunnion_core::Clock;
-
-/// Topics of the present, which a service that has stopped has not.
-const OF_THE_PRESENT: [&str; 6] = ["status", "cycle", "live", "ready", "storage", "set-up"];
 
 /// Latest value of each topic, shared with who shows them.
 #[derive(Clone, Default)]
@@ -106,11 +103,12 @@ impl Board {
     /// The last words: what was not sent yet, and that there is no present any more.
     pub(crate) fn farewell(&self) -> Vec<(String, String)> {
         let gone = |name: &String| OF_THE_PRESENT.contains(&name.as_str());
+        let stopped = offline(OfflineReason::Stopped);
         let topics = self.lock();
         let words = topics.iter().filter(|(name, topic)| gone(name) || !topic.sent);
         words
             .map(|(name, topic)| {
-                (name.clone(), if gone(name) { offline("stopped") } else { topic.stamped.clone() })
+                (name.clone(), if gone(name) { stopped.clone() } else { topic.stamped.clone() })
             })
             .collect()
     }
@@ -121,19 +119,26 @@ impl Board {
     }
 }
 
-/// A topic of a service that is not there.
-pub(crate) fn offline(reason: &str) -> String {
-    stamped(&serde_json::json!({ "state": "offline", "reason": reason }))
+/// A topic of a service that is not there, of the time at which this is said.
+pub(crate) fn offline(reason: OfflineReason) -> String {
+    let (time, version) = stamp();
+    serde_json::json!(Offline { state: OfflineState::Offline, reason, time, version }).to_string()
 }
 
-/// With the time (UTC) and the version of the program.
+/// With time and version.
 fn stamped(value: &serde_json::Value) -> String {
     let mut value = value.clone();
     if let serde_json::Value::Object(fields) = &mut value {
-        fields.insert("time".into(), moment(SystemClock::start().wall_ns()).into());
-        fields.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+        let (time, version) = stamp();
+        fields.insert("time".into(), time.into());
+        fields.insert("version".into(), version.into());
     }
     value.to_string()
+}
+
+/// The time (UTC) and the version of the program.
+fn stamp() -> (String, String) {
+    (moment(SystemClock::start().wall_ns()), env!("CARGO_PKG_VERSION").into())
 }
 
 #[cfg(test)]
@@ -150,8 +155,8 @@ mod tests {
         board.set("result", &json!({ "run": "a" }));
         let words: BTreeMap<String, String> = board.farewell().into_iter().collect();
         for topic in OF_THE_PRESENT {
-            assert!(words[topic].contains("\"state\":\"offline\""), "{topic}: {}", words[topic]);
-            assert!(words[topic].contains("\"reason\":\"stopped\""), "{topic}: {}", words[topic]);
+            let said: Offline = serde_json::from_str(&words[topic]).unwrap();
+            assert_eq!(said.reason, OfflineReason::Stopped, "{topic}");
         }
         assert!(words["result"].contains("\"run\":\"a\""), "{}", words["result"]);
     }

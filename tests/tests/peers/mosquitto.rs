@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use tracing::level_filters::LevelFilter;
-use trunnion::results::{Condition, ServiceStatus};
+use trunnion::results::{Condition, OF_THE_PRESENT, ServiceStatus};
 use trunnion_acquire::config::channels;
 use trunnion_core::{AxisValues, Secret};
 use trunnion_cycles::Cycle;
@@ -22,9 +22,22 @@ use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
 use trunnion_service::mqtt::{Broker, MqttConfig, MqttTls, run};
+use trunnion_tests::json_schema::{differences, schema_of_topic};
 use trunnion_tests::log::Log;
 use trunnion_tests::page_status::free_port;
 use trunnion_tests::{SILENCE_MS, three_probes};
+
+/// Holds every topic that a service sent against its schema.
+pub fn as_schemas_say(topics: &BTreeMap<String, serde_json::Value>) {
+    for (topic, message) in topics {
+        let name = topic.rsplit('/').next().unwrap_or_default();
+        // What an operator sends.
+        if name != "choose" {
+            let differences = differences(message, &schema_of_topic(name));
+            assert!(differences.is_empty(), "{topic}: {differences:?} in {message}");
+        }
+    }
+}
 
 pub fn broker(port: u16) -> Child {
     trunnion_tests::mosquitto::broker(port).expect("mosquitto starts")
@@ -129,6 +142,7 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
     let cycles = Cycles::one(plan, texts, model).expect("the devices can measure it");
     let service = tokio::spawn(serve(config, cycles, clock, cancel.clone()));
     wait_for(port, "live", |t| {
+        as_schemas_say(t);
         let ball = |live: &serde_json::Value| live["ball_offset_mm"]["x"].as_f64();
         let is_seen = |live| ball(live).is_some_and(|x| (x - pressed[0]).abs() < 0.01);
         let is_said = |ready: &serde_json::Value| {
@@ -149,6 +163,12 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
     .await;
     cancel.cancel();
     service.await.expect("no panic").expect("no failure");
+    wait_for(port, "stopped", |t| {
+        as_schemas_say(t);
+        let stopped = t.values().filter(|message| message["reason"] == "stopped");
+        stopped.count() == OF_THE_PRESENT.len()
+    })
+    .await;
     cell.shutdown().await;
     broker.kill().expect("running");
     broker.wait().expect("ended");
@@ -165,7 +185,14 @@ async fn a_service_that_dies_leaves_its_last_will() {
     board.set("status", &serde_json::json!({ "state": "online" }));
     wait_for(port, "alive", |t| t.get("trunnion/m2/status").is_some_and(|v| v["state"] == "online")).await;
     service.abort();
-    wait_for(port, "dead", |t| t.get("trunnion/m2/status").is_some_and(|v| v["reason"] == "lost")).await;
+    wait_for(port, "dead", |t| {
+        let is_lost = t.get("trunnion/m2/status").is_some_and(|v| v["reason"] == "lost");
+        if is_lost {
+            as_schemas_say(t);
+        }
+        is_lost
+    })
+    .await;
     broker.kill().expect("running");
     broker.wait().expect("ended");
 }

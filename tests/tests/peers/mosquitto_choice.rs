@@ -1,6 +1,6 @@
 //! The operator at a real broker: a refused program on its topic, and the topic that chooses a cycle.
 
-use crate::mosquitto::{broker, wait_for};
+use crate::mosquitto::{as_schemas_say, broker, wait_for};
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, QoS};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -91,7 +91,11 @@ async fn a_program_without_a_cycle_is_refused_on_its_topic_until_the_topic_choos
         is(t, "measuring", "") && t["trunnion/m/cycle"]["cycle"] == "demo-sweep-c"
     })
     .await;
-    wait_for(port, "done", |t| is(t, "done", "") && t.contains_key("trunnion/m/result")).await;
+    wait_for(port, "done", |t| {
+        as_schemas_say(t);
+        is(t, "done", "") && t.contains_key("trunnion/m/result")
+    })
+    .await;
     cancel.cancel();
     service.await.expect("no panic").expect("no failure");
     cell.shutdown().await;

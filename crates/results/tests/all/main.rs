@@ -2,5 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
+#[path = "../../../../tests/src/json_schema.rs"]
+mod json_schema;
 mod round_trip;
 mod schemas;

@@ -1,7 +1,10 @@
 //! The committed schemas are those of the types.
 
+use crate::json_schema::{differences, schema_of_topic};
+use serde_json::{json, to_value};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use trunnion_results::{OF_THE_PRESENT, Offline, OfflineReason, OfflineState, Presence, ServiceStatus};
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/schemas")
@@ -31,6 +34,32 @@ fn every_committed_schema_is_of_a_type() {
         .filter(|name| name.ends_with(".schema.json"))
         .collect();
     assert_eq!(committed, expected);
+}
+
+#[test]
+fn a_topic_of_the_present_is_whole_or_offline() {
+    let said = |reason| Offline {
+        state: OfflineState::Offline,
+        reason,
+        time: String::new(),
+        version: String::new(),
+    };
+    for topic in OF_THE_PRESENT {
+        let schema = schema_of_topic(topic);
+        for reason in [OfflineReason::Stopped, OfflineReason::Lost] {
+            let said = to_value(said(reason)).unwrap();
+            assert_eq!(differences(&said, &schema), Vec::<String>::new(), "{topic}: {said}");
+        }
+    }
+    let status = schema_of_topic("status");
+    let online = to_value(ServiceStatus { state: Presence::Online, ..ServiceStatus::default() }).unwrap();
+    assert_eq!(differences(&online, &status), Vec::<String>::new());
+    for wrong in [
+        json!({ "state": "online" }),
+        json!({ "state": "offline", "reason": "away", "time": "", "version": "" }),
+    ] {
+        assert!(!differences(&wrong, &status).is_empty(), "{wrong}");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::connection::Speaker;
 use crate::board::{Board, offline};
 use rumqttc::{AsyncClient, LastWill, Publish, QoS};
 use tracing::{info, warn};
+use trunnion::results::OfflineReason;
 
 /// The topics below `trunnion/<machine>/`.
 pub(super) struct Topics {
@@ -30,7 +31,7 @@ impl Speaker for Topics {
     }
 
     fn last_will(&mut self) -> LastWill {
-        LastWill::new(self.named("status"), offline("lost"), QoS::AtLeastOnce, true)
+        LastWill::new(self.named("status"), offline(OfflineReason::Lost), QoS::AtLeastOnce, true)
     }
 
     /// A broker that forgot the session drops what was pending: everything is sent again.
