@@ -107,7 +107,7 @@ pub use residuals::{ResidualAxis, ResidualPoint, ResidualSetup, Residuals, Shift
 pub use run_record::{RunAnswer, RunRecord, RunRecordFormat, RunResult, RunState};
 pub use schema::{schema_text, schemas};
 pub use service_status::{
-    Condition, CycleNow, CycleState, DeviceNow, Health, PartHealth, Presence, ServiceStatus,
+    ChoiceRefused, Condition, CycleNow, CycleState, DeviceNow, Health, PartHealth, Presence, ServiceStatus,
 };
 pub use set_up_state::{SetUpFormat, SetUpState, SetUpStep};
 pub use setting_up::{

@@ -20,6 +20,17 @@ pub struct ServiceStatus {
     pub cycle: Option<CycleNow>,
     /// The cycle that the operator chose for the next start.
     pub chosen: Option<String>,
+    /// The last choice over MQTT where it was not taken; null otherwise.
+    pub choice_refused: Option<ChoiceRefused>,
+}
+
+/// A choice of a cycle that was not taken.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct ChoiceRefused {
+    /// Why, with the names that are allowed.
+    pub why: String,
+    /// How often the same was refused, one after the other.
+    pub times: u64,
 }
 
 impl Published for ServiceStatus {

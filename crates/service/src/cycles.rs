@@ -52,13 +52,26 @@ pub enum Refused {
         allowed: String,
     },
     /// The operator chose what there is not.
-    #[error("there is no cycle \"{chosen}\"; allowed: {allowed}")]
+    #[error("there is no cycle {chosen:?}; allowed: {allowed}")]
     NoCycle {
         /// What was chosen.
         chosen: String,
         /// What could have been.
         allowed: String,
     },
+    /// What was chosen is too long for a name, or no text.
+    #[error("{bytes} bytes came in place of the name of a cycle, in UTF-8 and no longer than that of a file")]
+    NoName {
+        /// How many came.
+        bytes: usize,
+    },
+}
+
+impl Refused {
+    /// None of these cycles is the chosen one.
+    pub(crate) fn no_cycle<'a>(chosen: &str, names: impl Iterator<Item = &'a str>) -> Self {
+        Self::NoCycle { chosen: chosen.into(), allowed: allowed(chosen, names) }
+    }
 }
 
 /// Cycles that one service cannot measure.
@@ -142,9 +155,7 @@ impl Cycles {
     pub fn find(&self, program: &str, signal: Option<u32>, chosen: Option<&str>) -> Result<&Choice, Refused> {
         if let Some(chosen) = chosen {
             let is_it = |choice: &&Choice| choice.plan.cycle.name == chosen;
-            let refused =
-                || Refused::NoCycle { chosen: chosen.into(), allowed: allowed(chosen, self.names()) };
-            return self.0.iter().find(is_it).ok_or_else(refused);
+            return self.0.iter().find(is_it).ok_or_else(|| Refused::no_cycle(chosen, self.names()));
         }
         let of_signal =
             self.0.iter().find(|choice| matches!(choice.begun_by, BegunBy::Signal(of) if Some(of) == signal));

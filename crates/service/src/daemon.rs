@@ -105,6 +105,7 @@ pub async fn serve_on(
     let known = Known::read(&config.recordings);
     analyses.publish_last(&known);
     let names: Vec<&str> = cycles.names().collect();
+    board.operator().offer(cycles.names());
     states.begin(
         CycleState::Ready,
         "",

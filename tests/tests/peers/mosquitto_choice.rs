@@ -46,13 +46,13 @@ async fn a_program_without_a_cycle_is_refused_on_its_topic_until_the_topic_choos
     let sweep = scenario::sweep_cycle(virtual_machine, "O77", *axis, *from_to_rad, feeds_rad_per_s, others);
     let sweep = sweep.expect("it can be run");
     // Where the sweep begins, for the axes do not jump.
-    let standing = || {
+    let standing = {
         let steps = vec![Step::Dwell { duration_s: UNKNOWN_S }];
         let program = Program { start: sweep.axes(0.0), steps };
         let trajectory = Trajectory::compile(&program).expect("it stands");
         SimulatedCell { program: "O77".into(), noise_mm: 0.2e-3, ..SimulatedCell::along(trajectory) }
     };
-    let worlds = vec![standing(), standing(), sweep];
+    let worlds = vec![standing, sweep];
     let world = Later { world: InTurn { worlds, pause_s: 4.0 }, by_s: 4.0 };
     let clock = Arc::new(SystemClock::start());
     let mut floor = CellConfig { can: None, ..CellConfig::new(folder.path(), clock.wall_ns()) };
@@ -85,7 +85,13 @@ async fn a_program_without_a_cycle_is_refused_on_its_topic_until_the_topic_choos
     })
     .await;
     say(port, "trunnion/m/choose", "demo-sweep").await;
-    wait_for(port, "mistyped", |t| is(t, "refused", "did you mean demo-sweep-c?")).await;
+    wait_for(port, "mistyped", |t| {
+        let refused =
+            |status: &serde_json::Value| status["choice_refused"]["why"].as_str().map(str::to_owned);
+        let why = t.get("trunnion/m/status").and_then(refused).unwrap_or_default();
+        why.contains("did you mean demo-sweep-c?") && t["trunnion/m/status"]["chosen"].is_null()
+    })
+    .await;
     say(port, "trunnion/m/choose", "demo-sweep-c").await;
     wait_for(port, "measuring", |t| {
         is(t, "measuring", "") && t["trunnion/m/cycle"]["cycle"] == "demo-sweep-c"

@@ -40,6 +40,7 @@ pub async fn publish_status(
             devices,
             cycle: Some(cycles.now()),
             chosen: board.operator().peek_chosen(),
+            choice_refused: board.operator().refused(),
         };
         if last.as_ref() == Some(&status) {
             continue;

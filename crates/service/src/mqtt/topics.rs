@@ -45,9 +45,13 @@ impl Speaker for Topics {
     /// A retained choice was meant for a cycle that is long over.
     fn received(&mut self, message: &Publish) {
         if message.topic == self.named("choose") && !message.retain {
-            let cycle = String::from_utf8_lossy(&message.payload);
-            info!(?cycle, "the operator chose");
-            self.board.operator().choose(&cycle);
+            let operator = self.board.operator();
+            match operator.choose_unanswered(&message.payload) {
+                Ok(()) => info!(cycle = ?operator.peek_chosen(), "the operator chose"),
+                Err((refused, true)) => warn!("the choice of a cycle is not taken: {refused}"),
+                // Counted in `status`.
+                Err((_, false)) => {}
+            }
         }
     }
 

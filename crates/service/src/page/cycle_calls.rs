@@ -8,7 +8,6 @@ use axum::routing::post;
 use axum::{Json, Router};
 use serde::Deserialize;
 use trunnion::results::{CycleState, Serves};
-use trunnion_core::names::allowed;
 
 /// Their routes.
 pub(super) fn routes() -> Router<Page> {
@@ -55,13 +54,8 @@ impl Page {
         if self.shared.serves != Serves::Service {
             return Err(Refusal::NotNow("nothing waits for a cycle behind this page"));
         }
-        let names = || self.shared.cycles.iter().map(|cycle| cycle.name.as_str());
-        if !cycle.is_empty() && !names().any(|name| name == cycle) {
-            let allowed = allowed(cycle, names());
-            return Err(Refusal::Wrong(format!("there is no cycle \"{cycle}\"; allowed: {allowed}")));
-        }
-        self.shared.board.operator().choose(cycle);
-        Ok(())
+        let chosen = self.shared.board.operator().choose(cycle);
+        chosen.map_err(|refused| Refusal::Wrong(refused.to_string()))
     }
 
     fn is_measuring(&self) -> bool {

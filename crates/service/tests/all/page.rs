@@ -69,6 +69,7 @@ impl Page {
     ) -> Self {
         let (listener, board) = (TcpListener::bind("127.0.0.1:0").await.unwrap(), Board::default());
         let at = listener.local_addr().unwrap();
+        board.operator().offer(cycles.iter().copied());
         let shared = Shared {
             serves,
             name: "test".into(),
