@@ -17,6 +17,8 @@ mod history;
 mod history_on_page;
 mod host_faults;
 mod hybrid;
+#[path = "../src/json_schema.rs"]
+mod json_schema;
 mod long_lists;
 mod methods;
 mod nc_program;

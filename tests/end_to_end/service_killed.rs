@@ -1,5 +1,6 @@
 //! `trunnion daemon` that is killed, and analyses that hang or take too much: every recording gets a report, or says why not.
 
+use super::json_schema::{differences, schema_of_topic};
 use super::page_status::{free_address, status};
 use super::program::{json, refused};
 use super::shop::{Floor, Service, agent, config, floor, journal, record, until};
@@ -13,13 +14,25 @@ const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
 /// A journal of this size holds some seconds of three probes at 1 kHz.
 const SECONDS_OF_A_JOURNAL: u64 = 400_000;
 
+/// Holds the topics against their schemas; their names.
+fn as_schemas_say(topics: &serde_json::Value) -> Vec<&str> {
+    let topics = topics.as_object().unwrap();
+    for (name, value) in topics {
+        let schema = schema_of_topic(name);
+        assert_eq!(differences(value, &schema), Vec::<String>::new(), "{name}: {value}");
+    }
+    topics.keys().map(String::as_str).collect()
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_next_start() {
     let folder = tempfile::tempdir().unwrap();
     let Floor { cell, url, cycle } =
         floor(folder.path(), 60, Pace { move_s: 0.1, dwell_s: 0.3 }, |_| {}).await;
     let (file, runs) = (folder.path().join("trunnion.toml"), folder.path().join("runs"));
-    std::fs::write(&file, config(folder.path(), "runs", &agent(&url), "")).unwrap();
+    let page = free_address();
+    let tables = format!("[page]\nlisten = \"{page}\"\n");
+    std::fs::write(&file, config(folder.path(), "runs", &agent(&url), &tables)).unwrap();
     std::fs::write(folder.path().join("c.toml"), &cycle).unwrap();
 
     tokio::task::spawn_blocking(move || {
@@ -48,6 +61,24 @@ async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_nex
         let first = recording.file_name().unwrap().to_string_lossy().into_owned();
         assert_eq!((whole.joined_from.len(), &whole.joined_from[0]), (2, &first));
         assert_eq!(whole.state, RunState::Done, "{whole:?}");
+        // Neither part is a run of its own any more, and every topic names the whole.
+        for part in &whole.joined_from {
+            let part = record(&recording.with_file_name(part).with_extension("state.json")).unwrap();
+            assert_eq!(part.state, RunState::Joined, "{part:?}");
+            assert_eq!(part.joined_into, Some(format!("{stem}-joined.mcap")));
+        }
+        let topics = until("the cycle", || {
+            let topics = status(&page)?["topics"].take();
+            (topics["cycle"]["state"] == "done" && topics["status"]["cycle"]["state"] == "done")
+                .then_some(topics)
+        });
+        assert_eq!(topics["cycle"]["run"], format!("{stem}-joined"), "{topics}");
+        assert_eq!(topics["cycle"]["recording"], topics["result"]["run"], "{topics}");
+        assert_eq!(topics["status"]["cycle"]["run"], topics["cycle"]["run"], "{topics}");
+        assert_eq!(
+            as_schemas_say(&topics),
+            ["alarms", "cycle", "live", "quality", "ready", "result", "set-up", "status", "storage"]
+        );
         let complete = whole.answer.unwrap().result.complete;
         assert_eq!(complete.planned, answer.result.complete.planned);
         assert!(complete.read > answer.result.complete.read + 20, "{complete:?}");

@@ -20,9 +20,12 @@ pub struct RunRecord {
     /// Recordings of the parts of the cycle that this one was joined from, by file name: the service ended in between.
     #[serde(default)]
     pub joined_from: Vec<String>,
+    /// The recording that this one is a part of, by file name: what was found stands in its state. Null for a run of its own.
+    #[serde(default)]
+    pub joined_into: Option<String>,
     /// Analyses begun, those that failed and the present one.
     pub tries: u32,
-    /// Why it failed, or what came before this state; empty when there is nothing to say.
+    /// Why it failed or was not judged, or what came before this state; empty when there is nothing to say.
     pub why: String,
     /// What is missing from the recording, one sentence each.
     pub losses: Vec<String>,
@@ -58,6 +61,8 @@ pub enum RunState {
     NotJudged,
     /// The last analysis failed, or the recording could not be finished.
     Failed,
+    /// It is a part of another run, `joined_into`, which is analysed in its place.
+    Joined,
 }
 
 impl RunState {
@@ -70,6 +75,7 @@ impl RunState {
             Self::Done => "done",
             Self::NotJudged => "not-judged",
             Self::Failed => "failed",
+            Self::Joined => "joined",
         }
     }
 

@@ -145,10 +145,10 @@ fn leads_back(path: &Path, folder: &Path) -> bool {
     path.is_symlink() && place(path).and_then(|file| Some(file.parent()? == place(folder)?)).unwrap_or(false)
 }
 
-/// True for a run that is still to be analysed.
+/// True for a run that is still to be analysed. A part whose joined run is there is no run of [`Known`]: without that run it is one again.
 pub fn is_pending(record: &RunRecord, tries: u32) -> bool {
     match record.state {
-        RunState::Recorded | RunState::Recovered => true,
+        RunState::Recorded | RunState::Recovered | RunState::Joined => true,
         RunState::Analysing | RunState::Failed => record.tries < tries,
         RunState::Done | RunState::NotJudged => false,
     }

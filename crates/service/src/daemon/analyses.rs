@@ -37,7 +37,7 @@ pub(super) struct Analyses {
 impl Analyses {
     /// Analyses a recording and reports on the board; its state on disk says how far it is.
     pub(super) async fn report(&self, recording: PathBuf, record: RunRecord, judged_by: JudgedBy) {
-        let name = recording.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let part = run_name(&recording);
         // A semaphore that is never closed.
         let turn = self.one.acquire().await;
         if self.cancel.is_cancelled() {
@@ -47,9 +47,20 @@ impl Analyses {
         let kept = (recording.clone(), record.clone());
         let joining = tokio::task::spawn_blocking(move || joining::whole(recording, record, at));
         let (recording, record) = joining.await.unwrap_or(kept);
+        let name = run_name(&recording);
+        if name != part {
+            self.states.joined(&part, &name, run_record::file_name(&recording));
+        }
         let before = record.clone();
-        let begun = RunRecord { state: RunState::Analysing, tries: record.tries + 1, ..record };
+        let begun = RunRecord {
+            state: RunState::Analysing,
+            tries: record.tries + 1,
+            // A part is a run of its own again where the joined one is gone.
+            joined_into: None,
+            ..record
+        };
         self.keep(&recording, &begun);
+        self.keep_parts(&recording, &begun);
         let (this, path) = (self.clone(), recording.clone());
         let analysing = tokio::task::spawn_blocking(move || {
             let date = day(this.clock.wall_ns());
@@ -111,6 +122,24 @@ impl Analyses {
         self.states.go_on(CycleState::Failed, name, now);
     }
 
+    /// The states of what a run was joined from say so, in place of what they were alone.
+    pub(super) fn keep_parts(&self, recording: &Path, record: &RunRecord) {
+        let joined_into = run_record::file_name(recording);
+        for part in record.joined_from.iter().map(|name| recording.with_file_name(name)) {
+            match run_record::read(&part) {
+                Some(part) if part.joined_into == joined_into => {}
+                // What was removed by hand has no state.
+                None if !part.exists() => {}
+                alone => {
+                    let alone = alone.unwrap_or_default();
+                    let why = "the service ended while its cycle was recorded".into();
+                    let joined_into = joined_into.clone();
+                    self.keep(&part, &RunRecord { state: RunState::Joined, why, joined_into, ..alone });
+                }
+            }
+        }
+    }
+
     /// Writes the state of a run; a disk that refuses costs no report.
     pub(super) fn keep(&self, recording: &Path, record: &RunRecord) {
         let record = RunRecord { at: moment(self.clock.wall_ns()), ..record.clone() };
@@ -118,6 +147,10 @@ impl Analyses {
             warn!("the state of a run was not written: {}", chain(&failure));
         }
     }
+}
+
+fn run_name(recording: &Path) -> String {
+    recording.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
 /// What an analysis found, on the board.

@@ -36,6 +36,7 @@ impl Analyses {
             if self.cancel.is_cancelled() {
                 return;
             }
+            self.keep_parts(&recording, &record);
             match is_pending(&record, self.limits.tries) {
                 true => {
                     let (run, state) = (recording.display(), record.state.as_str());
@@ -65,7 +66,11 @@ impl Analyses {
                 self.keep(recording, &RunRecord { state: RunState::Failed, why, ..record });
             }
             RunState::Failed => info!(%run, tries = record.tries, "not analysed again: {}", record.why),
-            RunState::Recorded | RunState::Recovered | RunState::Done | RunState::NotJudged => {}
+            RunState::Recorded
+            | RunState::Recovered
+            | RunState::Done
+            | RunState::NotJudged
+            | RunState::Joined => {}
         }
     }
 

@@ -35,6 +35,25 @@ impl States {
         }
     }
 
+    /// The cycle of this run is a part of one that was joined, which is analysed in its place: what was read and is missing is not known yet.
+    pub fn joined(&self, part: &str, run: &str, recording: Option<String>) {
+        let mut newest = self.lock();
+        if newest.run.as_deref().unwrap_or_default() == part {
+            let run = Some(run.to_owned());
+            let (read, unsettled, missing, gaps) = (None, None, None, None);
+            *newest = CycleProgress {
+                run,
+                recording,
+                read,
+                unsettled,
+                missing,
+                gaps,
+                ..std::mem::take(&mut *newest)
+            };
+            self.board.publish(&*newest);
+        }
+    }
+
     /// For `status`.
     pub fn now(&self) -> CycleNow {
         let newest = self.lock();
@@ -78,6 +97,23 @@ mod tests {
         let newer = json!({ "state": "measuring", "run": "b", "cycle": "high", "seconds_left": null });
         assert_eq!(board.get("cycle").unwrap(), newer);
         assert_eq!(states.now(), CycleNow { state: CycleState::Measuring, run: Some("b".into()) });
+    }
+
+    #[test]
+    fn a_cycle_whose_part_was_joined_goes_on_under_the_name_of_the_whole() {
+        let (board, now) = (Board::default(), CycleProgress::default());
+        let states = States::new(board.clone());
+        states.begin(CycleState::Measuring, "b", now.clone());
+        let recording = |name: &str| Some(format!("{name}.mcap"));
+        let read = CycleProgress { recording: recording("b"), read: Some(10), ..now.clone() };
+        states.go_on(CycleState::Analysing, "b", read);
+        states.joined("a", "z-joined", recording("z-joined"));
+        assert_eq!(states.now().run.as_deref(), Some("b"), "of another cycle");
+        states.joined("b", "a-joined", recording("a-joined"));
+        states.go_on(CycleState::Done, "a-joined", now);
+        let whole =
+            json!({ "state": "done", "run": "a-joined", "recording": "a-joined.mcap", "seconds_left": null });
+        assert_eq!(board.get("cycle").unwrap(), whole);
     }
 
     #[test]
