@@ -47,6 +47,7 @@ async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_nex
         let first = until("a report", || record(&state).filter(|record| record.state.has_report()));
         // Too little of the cycle was read for a verdict.
         assert_eq!((first.state, first.tries, first.cycle.as_str()), (RunState::NotJudged, 1, "demo-static"));
+        assert!(first.why.contains("planned points were read"), "{first:?}");
         assert!(recording.exists() && !journal.exists());
         assert!(recording.with_extension("html").exists());
         let answer = first.answer.unwrap();

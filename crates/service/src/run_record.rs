@@ -57,11 +57,11 @@ pub fn of_recording(recording: &Path, state: RunState, at: String) -> RunRecord 
 
 /// The state of a run with this report.
 pub fn reported(record: RunRecord, answer: RunAnswer) -> RunRecord {
-    let state = match answer.result.verdict {
-        Verdict::NotJudged => RunState::NotJudged,
-        _ => RunState::Done,
+    let (state, why) = match answer.result.verdict {
+        Verdict::NotJudged => (RunState::NotJudged, answer.result.why.clone()),
+        _ => (RunState::Done, String::new()),
     };
-    RunRecord { state, why: String::new(), answer: Some(answer), ..record }
+    RunRecord { state, why, answer: Some(answer), ..record }
 }
 
 /// The files that hold a run, each sample once.
