@@ -122,6 +122,14 @@ async fn linuxcnc_is_named_and_reads_once_its_joints_are_filled_in() {
     assert!(trouble.contains("the connection password is wrong"), "{trouble}");
 
     let lines = found[0]["config"].as_str().unwrap();
+    // On a screen that is narrower than they are they are the same, to be pasted.
+    assert!(lines.lines().any(|line| line.len() > 80), "{lines}");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let output = command.args(["devices", "--url", &url]).env("COLUMNS", "80").output().unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let pasted = &printed[printed.find("[[device]]").unwrap()..];
+    assert_eq!(parse_devices("pasted", &pasted.replace('?', "XYZBC")).unwrap().len(), 1, "{printed}");
+    assert_eq!(pasted, lines);
     let unfilled = parse_devices("pasted", lines).unwrap_err().to_string();
     assert!(unfilled.contains("COORDINATES"), "{unfilled}");
     let folder = tempfile::tempdir().unwrap();

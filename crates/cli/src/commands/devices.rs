@@ -57,7 +57,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.json {
         terminal::print_json(&show::value(&looks))?
     } else {
-        terminal::print(&show::text(&looks))?
+        terminal::print(&show::text(&looks))?;
+        terminal::print_verbatim(&show::lines_to_paste(&looks))?
     }
     Ok(Outcome::Done)
 }

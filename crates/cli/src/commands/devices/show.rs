@@ -3,7 +3,7 @@
 use trunnion::results::{DevicePlace, DevicesFormat, DevicesFound};
 use trunnion_acquire::discovery::{Look, Roles};
 
-/// Places with their answers, then the lines to paste.
+/// Places with their answers, and what to do with [`lines_to_paste`], which follow.
 pub fn text(looks: &[Look]) -> String {
     if looks.is_empty() {
         return "No serial port and no CAN interface. Plug an adapter in; `dmesg` says what the system makes of it. Controllers on the \
@@ -23,15 +23,16 @@ pub fn text(looks: &[Look]) -> String {
             text += &format!("  asked {}\n", look.asked.join("; "));
         }
     }
-    let tables: Vec<String> = tables(looks).into_iter().flatten().collect();
-    if !tables.is_empty() {
+    if looks.iter().any(|look| look.found.is_some()) {
         text +=
             "\nFor the configuration (see which probe is which by moving it; fill in where there is a ?):\n";
-        for table in tables {
-            text += &format!("\n{table}");
-        }
     }
     text
+}
+
+/// The tables of what was found, as a configuration takes them: a line that is broken is another.
+pub fn lines_to_paste(looks: &[Look]) -> String {
+    tables(looks).into_iter().flatten().map(|table| format!("\n{table}")).collect()
 }
 
 fn heading(look: &Look) -> String {
