@@ -7,6 +7,7 @@ use super::program::json;
 use super::shop::{Service, agent, config, until};
 use serde_json::Value;
 use std::path::Path;
+use std::process::{Command, Stdio};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
@@ -36,6 +37,34 @@ fn analysed(page: &str, name: &str) {
     until(name, || {
         Some(asked(page, &format!("GET /api/runs/{name}"), "")).filter(|(status, _)| *status == 200)
     });
+}
+
+#[test]
+fn open_takes_the_limits_of_a_configuration_and_ends_well_when_it_is_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = super::program::import("points-gravity", folder.path());
+    for (limit, allowed) in [("--memory-mb=1", "64..=1000000"), ("--time-s=0", "1..=86400")] {
+        let said = super::program::refused(&["open", &run, limit]);
+        assert!(said.contains(allowed), "{said}");
+    }
+    let page = free_address();
+    let mut open = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut open = open.args(["open", &run, "--listen", &page]).stdout(Stdio::null()).spawn().unwrap();
+    analysed(&page, "run");
+    let children = || -> Vec<String> {
+        let tasks = std::fs::read_dir(format!("/proc/{}/task", open.id())).unwrap().flatten();
+        let of = |task: std::fs::DirEntry| {
+            std::fs::read_to_string(task.path().join("children")).unwrap_or_default()
+        };
+        tasks.map(of).collect::<String>().split_whitespace().map(String::from).collect()
+    };
+    let started = children();
+    assert!(!started.is_empty(), "nothing analyses");
+    assert!(Command::new("kill").arg(open.id().to_string()).status().unwrap().success());
+    assert!(open.wait().unwrap().success(), "as Ctrl-C ends it");
+    for id in started {
+        until("the end of what analyses", || (!Path::new(&format!("/proc/{id}")).exists()).then_some(()));
+    }
 }
 
 #[test]

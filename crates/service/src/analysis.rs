@@ -1,5 +1,6 @@
 //! Who analyses, and what an analysis is given: a model, time, memory.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 use trunnion::Model;
@@ -35,12 +36,16 @@ impl Default for AnalysisLimits {
 }
 
 impl AnalysisLimits {
+    /// Allowed times, s. Less than the analysis of the smallest cycle takes would fail every run.
+    pub const TIME_S: RangeInclusive<f64> = 1.0..=86_400.0;
+    /// Allowed memory, MB; the least as of the time.
+    pub const MEMORY_MB: RangeInclusive<f64> = 64.0..=1e6;
+
     /// Reads `[analysis]`.
     pub fn read(table: &Table<'_>) -> Option<Self> {
         let usual = Self::default();
-        // Less than the analysis of the smallest cycle takes would fail every run.
-        let time_s = table.optional_number("time_s", 1.0..=86_400.0);
-        let memory_mb = table.optional_number("memory_mb", 64.0..=1e6);
+        let time_s = table.optional_number("time_s", Self::TIME_S);
+        let memory_mb = table.optional_number("memory_mb", Self::MEMORY_MB);
         let tries = table.optional_number("tries", 1.0..=100.0);
         table.no_other_keys();
         Some(Self {

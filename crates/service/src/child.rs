@@ -9,6 +9,8 @@ use std::io::{BufRead, BufReader, Read};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
@@ -18,6 +20,8 @@ use trunnion_core::Clock;
 pub(crate) const LOOK: Duration = Duration::from_millis(50);
 /// What the runtime says before it aborts (`std::alloc::handle_alloc_error`).
 const NO_MEMORY: &str = "memory allocation of";
+/// What the runtime says after a panic, and is no reason.
+const HOW_TO_TRACE: &str = "note: run with `RUST_BACKTRACE";
 /// What variables of the allocator begin with. The unit sets some so that a service of years keeps no memory; an analysis ends soon, and takes half
 /// as long again with them.
 const OF_THE_ALLOCATOR: &str = "MALLOC_";
@@ -44,14 +48,10 @@ pub(crate) enum Unanswered {
 pub(crate) struct Process {
     child: Child,
     limits: AnalysisLimits,
-    log: JoinHandle<Log>,
-}
-
-/// What a process said last, and whether it had no memory.
-#[derive(Default)]
-struct Log {
-    last: String,
-    no_memory: bool,
+    /// What it said last.
+    log: JoinHandle<String>,
+    /// It had no memory.
+    no_memory: Arc<AtomicBool>,
 }
 
 impl Process {
@@ -66,6 +66,8 @@ impl Process {
         command.arg("--memory-mb").arg(limits.memory_mb.to_string());
         // One line an error, whatever the terminal.
         command.env("COLUMNS", "100000").process_group(0);
+        // A trace that finds no memory waits for itself for ever [std::sys::backtrace holds its lock while the report of the memory asks for it].
+        command.env("RUST_BACKTRACE", "0");
         let names = std::env::vars_os().map(|(name, _)| name);
         names.filter(|name| name.to_string_lossy().starts_with(OF_THE_ALLOCATOR)).for_each(|name| {
             command.env_remove(name);
@@ -73,16 +75,22 @@ impl Process {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(ServiceError::Analyst)?;
         let err = child.stderr.take();
+        let no_memory = Arc::new(AtomicBool::new(false));
+        let seen = no_memory.clone();
         let log = std::thread::spawn(move || {
-            let mut log = Log::default();
+            let mut last = String::new();
             for line in err.into_iter().flat_map(|err| BufReader::new(err).lines()).map_while(Result::ok) {
                 eprintln!("{line}");
-                log.no_memory |= line.starts_with(NO_MEMORY);
-                log.last = line;
+                if line.starts_with(NO_MEMORY) {
+                    seen.store(true, Ordering::Relaxed);
+                }
+                if !line.starts_with(HOW_TO_TRACE) {
+                    last = line;
+                }
             }
-            log
+            last
         });
-        Ok(Self { child, limits, log })
+        Ok(Self { child, limits, log, no_memory })
     }
 
     /// What it reads; `None` when it was taken. Whoever takes it keeps the process alive with it.
@@ -118,6 +126,8 @@ impl Process {
                         "it took more than {seconds} s (time_s of [analysis]) and was ended"
                     )));
                 }
+                // It is at its end and may not reach it without memory. How it ended is found by the next look.
+                Ok(None) if self.no_memory.load(Ordering::Relaxed) => self.kill(),
                 Ok(None) => {}
                 Err(error) => {
                     self.end();
@@ -127,25 +137,29 @@ impl Process {
         }
     }
 
-    /// Ends the process and what it started.
+    /// Ends the process and what it started; waits for it.
     fn end(&mut self) {
+        self.kill();
+        if let Err(error) = self.child.wait() {
+            tracing::warn!(%error, "an analysis cannot be waited for");
+        }
+    }
+
+    fn kill(&self) {
         let group = i32::try_from(self.child.id()).map(Pid::from_raw);
         if let Ok(group) = group
             && let Err(error) = killpg(group, Signal::SIGKILL)
         {
             tracing::warn!(%error, "an analysis cannot be ended");
         }
-        if let Err(error) = self.child.wait() {
-            tracing::warn!(%error, "an analysis cannot be waited for");
-        }
     }
 
     /// Why a process that ended so gave no answer.
     pub(crate) fn why(self, status: ExitStatus) -> String {
         let log = self.log.join().unwrap_or_default();
-        let last = log.last.trim_start_matches("trunnion: ");
+        let last = log.trim_start_matches("trunnion: ");
         match (status.code(), status.signal()) {
-            _ if log.no_memory => {
+            _ if self.no_memory.load(Ordering::Relaxed) => {
                 format!("it needed more than {} MB (memory_mb of [analysis])", self.limits.memory_mb)
             }
             (Some(code), _) if last.is_empty() => format!("it ended with exit code {code} and said nothing"),
@@ -176,4 +190,22 @@ pub fn end_with_parent() {
         while std::io::stdin().read(&mut nothing).is_ok_and(|read| read > 0) {}
         std::process::exit(1);
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::SystemClock;
+
+    #[test]
+    fn a_process_without_memory_that_does_not_end_is_ended_and_says_which_limit_it_was() {
+        let limits = AnalysisLimits { time: Duration::from_secs(60), memory_mb: 64.0, tries: 1 };
+        let mut process = Process::start(Path::new("/bin/sh"), limits, |command| {
+            command.args(["-c", "echo \"memory allocation of 786432 bytes failed\" >&2; sleep 600"]);
+        })
+        .unwrap();
+        let ended = process.until(&SystemClock::start(), &CancellationToken::new(), ended);
+        let Ok(status) = ended else { panic!("it was waited for until its time was over") };
+        assert_eq!(process.why(status), "it needed more than 64 MB (memory_mb of [analysis])");
+    }
 }

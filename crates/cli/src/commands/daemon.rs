@@ -92,10 +92,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let ended = runtime.block_on(async {
         let cancel = CancellationToken::new();
         let stop = cancel.clone();
-        let mut terminate = signal(SignalKind::terminate()).context("cannot listen for SIGTERM")?;
-        let mut interrupt = signal(SignalKind::interrupt()).context("cannot listen for SIGINT")?;
+        let asked_to_stop = asked_to_stop()?;
         tokio::spawn(async move {
-            tokio::select! { _ = terminate.recv() => {}, _ = interrupt.recv() => {} }
+            asked_to_stop.await;
             stop.cancel();
         });
         let clock = Arc::new(SystemClock::start());
@@ -106,6 +105,15 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     });
     runtime.shutdown_timeout(LEFT_BEHIND);
     ended
+}
+
+/// From now on SIGTERM and Ctrl-C do not end the program; the future is ready after the first of them.
+pub fn asked_to_stop() -> anyhow::Result<impl Future<Output = ()>> {
+    let mut terminate = signal(SignalKind::terminate()).context("cannot listen for SIGTERM")?;
+    let mut interrupt = signal(SignalKind::interrupt()).context("cannot listen for SIGINT")?;
+    Ok(async move {
+        tokio::select! { _ = terminate.recv() => {}, _ = interrupt.recv() => {} }
+    })
 }
 
 /// What analyses is this program, whatever path it was started by.

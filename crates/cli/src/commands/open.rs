@@ -1,9 +1,10 @@
 //! `trunnion open`: recordings on the page, without a service.
 
-use super::daemon::analyst;
+use super::daemon::{analyst, asked_to_stop};
 use crate::outcome::Outcome;
 use crate::terminal;
 use anyhow::{Context, bail};
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -33,11 +34,16 @@ pub struct Args {
     #[arg(long, value_name = "ADDRESS:PORT", default_value = page::USUAL_ADDRESS)]
     listen: String,
     /// Memory that the analyses may take
-    #[arg(long, value_name = "MB")]
+    #[arg(long, value_name = "MB", value_parser = |text: &str| within(text, AnalysisLimits::MEMORY_MB))]
     memory_mb: Option<f64>,
     /// Time that an analysis may take
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = |text: &str| within(text, AnalysisLimits::TIME_S))]
     time_s: Option<f64>,
+}
+
+fn within(text: &str, allowed: RangeInclusive<f64>) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| allowed.contains(number));
+    number.ok_or_else(|| format!("allowed: {}..={}", allowed.start(), allowed.end()))
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
@@ -48,7 +54,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let usual = AnalysisLimits::default();
     let limits = AnalysisLimits {
         memory_mb: args.memory_mb.unwrap_or(usual.memory_mb),
-        time: args.time_s.map_or(Ok(usual.time), Duration::try_from_secs_f64).context("--time-s")?,
+        time: args.time_s.map_or(usual.time, Duration::from_secs_f64),
         ..usual
     };
     let analyst = page_analyst(limits)?;
@@ -92,13 +98,14 @@ pub async fn listen(text: &str) -> anyhow::Result<TcpListener> {
     }
 }
 
-/// Prints the address and serves until Ctrl-C.
+/// Prints the address and serves until Ctrl-C or SIGTERM: what analyses ends too.
 pub async fn serve_until_interrupted(listener: TcpListener, shared: page::Shared) -> anyhow::Result<()> {
+    let asked_to_stop = asked_to_stop()?;
     terminal::print(&format!("The page is at http://{}   (Ctrl-C ends it)\n", listener.local_addr()?))?;
     let cancel = CancellationToken::new();
     let serving =
         tokio::spawn(page::serve(listener, Arc::new(shared), page::Access::this_computer(), cancel.clone()));
-    tokio::signal::ctrl_c().await.context("cannot listen for Ctrl-C")?;
+    asked_to_stop.await;
     cancel.cancel();
     serving.await.context("the page ended badly")?.context("the page ended")
 }

@@ -1,5 +1,6 @@
 //! The demo for a browser: what is measured while it is measured, then the recordings.
 
+use crate::commands::daemon::asked_to_stop;
 use crate::commands::open::{listen, page_analyst};
 use crate::terminal;
 use anyhow::Context;
@@ -60,7 +61,7 @@ impl DemoPage {
     /// Goes on until Ctrl-C.
     pub async fn until_interrupted(self) -> anyhow::Result<()> {
         terminal::print(&format!("\nThe page stays at {}   (Ctrl-C ends it)\n", self.address()))?;
-        tokio::signal::ctrl_c().await.context("cannot listen for Ctrl-C")?;
+        asked_to_stop()?.await;
         self.cancel.cancel();
         self.serving.await.context("the page ended badly")?.context("the page ended")
     }
