@@ -1,8 +1,8 @@
 //! `trunnion daemon` that is killed, and analyses that hang or take too much: every recording gets a report, or says why not.
 
 use super::json_schema::{differences, schema_of_topic};
-use super::page_status::{free_address, status};
-use super::program::{json, refused};
+use super::page_status::{ask, free_address, status};
+use super::program::{json, output, refused};
 use super::shop::{Floor, Service, agent, config, floor, journal, record, until};
 use std::path::Path;
 use std::process::Command;
@@ -80,6 +80,14 @@ async fn a_run_killed_in_mid_cycle_is_recovered_analysed_and_reported_at_the_nex
             as_schemas_say(&topics),
             ["alarms", "cycle", "live", "quality", "ready", "result", "set-up", "status", "storage"]
         );
+        // One answer over the page and on the command line, which ends with 3 for what is missing.
+        let call = format!("GET /api/runs/{stem}-joined/identification");
+        let (_, of_page) = until("the fit", || ask(&page, &call, "").filter(|(status, _)| *status == 200));
+        let file = recording.with_file_name(format!("{stem}-joined.mcap")).display().to_string();
+        let (_, of_command, _) = output(&["identify", &file, "--json"]);
+        let of_page: serde_json::Value = serde_json::from_str(&of_page).unwrap();
+        assert!(of_page["time_quality"].is_array(), "{of_page}");
+        assert_eq!(of_page, serde_json::from_str::<serde_json::Value>(&of_command).unwrap());
         let complete = whole.answer.unwrap().result.complete;
         assert_eq!(complete.planned, answer.result.complete.planned);
         assert!(complete.read > answer.result.complete.read + 20, "{complete:?}");

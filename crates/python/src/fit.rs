@@ -22,7 +22,7 @@ impl Fit {
 
     /// The answer: the JSON of `trunnion identify`.
     fn results<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        dictionary(py, &py.detach(|| self.inner.results()))
+        dictionary(py, &py.detach(|| self.inner.identified()))
     }
 
     /// The answer as text.

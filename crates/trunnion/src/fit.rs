@@ -92,7 +92,7 @@ impl Fit {
         Problem::of_fit(self.experiment.points(), self.model.entries(), self.identification())
     }
 
-    /// The answer: `trunnion-identification/1`.
+    /// The fit in `trunnion-identification/1`; [`Self::identified`] is the whole answer.
     pub fn results(&self) -> results::Identification {
         let fit = self.identification();
         let mut answer = results::Identification {
@@ -127,6 +127,11 @@ impl Fit {
     /// What is planned, read, missing, and excluded by the fit too.
     pub(crate) fn complete(&self) -> results::Complete {
         self.experiment.complete().with_outliers(self.identification().outliers.len())
+    }
+
+    /// The answer of `trunnion identify`: with how well the runs are known in time, for which their sweeps are looked at.
+    pub fn identified(&self) -> results::Identification {
+        results::Identification { time_quality: self.experiment.time_quality(), ..self.results() }
     }
 
     /// The answer as text.

@@ -95,8 +95,7 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
     if let Some(path) = args.model.model.as_ref().filter(|_| args.keep) {
         fit.model().with_values(&fit.values(&today()?))?.save(path)?;
     }
-    let mut answer = fit.results();
-    answer.time_quality = experiment.time_quality();
+    let mut answer = fit.identified();
     answer.location_errors = args.notation.map(|notation| fit.location_errors(notation));
     if args.json {
         terminal::print_json(&answer)?;

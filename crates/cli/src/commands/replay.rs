@@ -48,7 +48,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let model = args.model.model(&experiment)?;
     let analysed = experiment.analyse(&model, "")?;
     analysed.left_out().iter().for_each(|left_out| terminal::remark(left_out));
-    let identification = to_json(&analysed.before().results())?;
+    let identification = to_json(&analysed.before().identified())?;
     let first = analysed.first().results();
     let outcome = outcome.with_verdict(first.verdict);
     let diagnosis = to_json(&first)?;

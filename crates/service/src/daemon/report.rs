@@ -72,7 +72,7 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
     let compared = compared.with_best();
     let answers = [
         ("html", compared.page()),
-        ("identification.json", to_json(&analysed.before().results())?),
+        ("identification.json", to_json(&analysed.before().identified())?),
         // Last: where it is, everything is.
         ("diagnosis.json", to_json(&analysed.first().results())?),
     ];

@@ -124,7 +124,7 @@ impl Open {
         let (diagnosed, fit) = (compared.diagnosed(), compared.diagnosed().fit());
         let text = match asks {
             Asks::Story | Asks::Add(_) | Asks::Remove(_) => to_json_line(&compared.story()),
-            Asks::Identification => to_json_line(&fit.results()),
+            Asks::Identification => to_json_line(&fit.identified()),
             Asks::Diagnosis => to_json_line(&diagnosed.results()),
             Asks::Comparison => to_json_line(&compared.results()),
             Asks::Ladder => to_json_line(&compared.results().ladder),

@@ -233,7 +233,7 @@ async fn an_effect_is_added_and_removed_and_both_browsers_see_it() {
     let run = trunnion::open(model.with_file_name("points.csv")).unwrap();
     let fit = run.fit(&trunnion::Model::load(&model).unwrap()).unwrap();
     let identification = page.json("GET /api/runs/points-gravity/identification", "", "").await;
-    assert_eq!(identification, serde_json::to_value(fit.results()).unwrap());
+    assert_eq!(identification, serde_json::to_value(fit.identified()).unwrap());
 
     let removed =
         page.json("DELETE /api/runs/points-gravity/model/gravity-sag:B", OWN, r#"{"by":"Bea"}"#).await;
