@@ -18,6 +18,14 @@ pub enum Refusal {
         /// Its name.
         name: String,
     },
+    /// A call by another method than those that it has.
+    #[error("{path} is not called by {method}; the header Allow says how")]
+    Method {
+        /// By which.
+        method: String,
+        /// What.
+        path: String,
+    },
     /// A call that is not made well.
     #[error("{0}")]
     Wrong(String),
@@ -60,6 +68,7 @@ impl Refusal {
     fn status(&self) -> StatusCode {
         match self {
             Self::Unknown { .. } => StatusCode::NOT_FOUND,
+            Self::Method { .. } => StatusCode::METHOD_NOT_ALLOWED,
             Self::Wrong(_) => StatusCode::BAD_REQUEST,
             Self::Removed { .. } | Self::NotCompared { .. } => StatusCode::GONE,
             Self::WrongToken => StatusCode::UNAUTHORIZED,

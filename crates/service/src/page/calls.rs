@@ -10,7 +10,7 @@ use super::{assets, cycle_calls, filed_calls, live, login, method_calls, set_up_
 use crate::clock::minute;
 use axum::extract::rejection::JsonRejection;
 use axum::extract::{Path, State};
-use axum::http::Uri;
+use axum::http::{Method, Uri};
 use axum::routing::{get, post};
 use axum::{Json, Router};
 use serde::Deserialize;
@@ -50,6 +50,9 @@ pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) ->
         .merge(set_up_calls::routes())
         .merge(login::routes())
         .merge(method_calls::routes())
+        .method_not_allowed_fallback(|method: Method, uri: Uri| async move {
+            Refusal::Method { method: method.to_string(), path: uri.path().into() }
+        })
         .fallback(|uri: Uri| async move { Refusal::Unknown { what: "call", name: uri.path().into() } })
         .with_state(page)
 }

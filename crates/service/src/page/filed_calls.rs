@@ -5,8 +5,8 @@ use super::context::{Answer, Page, person, wrong};
 use super::question::Asks;
 use crate::clock::day;
 use crate::print::{self, PrintError};
-use axum::extract::rejection::JsonRejection;
-use axum::extract::{Path, State};
+use axum::body::HttpBody;
+use axum::extract::{FromRequest, Path, Request, State};
 use axum::routing::post;
 use axum::{Json, Router};
 use serde::Deserialize;
@@ -29,8 +29,8 @@ pub(super) fn routes() -> Router<Page> {
         .route("/api/runs/{name}/filed/pdf", post(print_filed).get(printed))
 }
 
-/// What a person says of a report.
-#[derive(Deserialize)]
+/// What a person says of a report; nothing where the call has no body.
+#[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ToFile {
     #[serde(default)]
@@ -39,12 +39,11 @@ struct ToFile {
     language: String,
 }
 
-async fn file(
-    State(page): State<Page>,
-    Path(name): Path<String>,
-    body: Result<Json<ToFile>, JsonRejection>,
-) -> Answer {
-    let ToFile { by, language } = body.map_err(wrong)?.0;
+async fn file(State(page): State<Page>, Path(name): Path<String>, request: Request) -> Answer {
+    let ToFile { by, language } = match request.body().is_end_stream() {
+        true => ToFile::default(),
+        false => Json::from_request(request, &()).await.map_err(wrong)?.0,
+    };
     let by = if by.trim().is_empty() { None } else { Some(person(&by, "who measured?")?) };
     let language = if language.is_empty() { Language::English.code().into() } else { language };
     if !Language::NAMES.iter().any(|(code, _)| *code == language) {

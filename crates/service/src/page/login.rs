@@ -1,6 +1,6 @@
 //! The token, once: the browser keeps a cookie then.
 
-use super::answer::Refusal;
+use super::answer::{Refusal, json};
 use super::context::{Answer, Page};
 use axum::extract::State;
 use axum::extract::rejection::JsonRejection;
@@ -33,5 +33,5 @@ async fn login(State(page): State<Page>, body: Result<Json<Typed>, JsonRejection
         tracing::warn!("somebody gave a wrong token to the page");
         return Err(Refusal::WrongToken);
     }
-    Ok(([(SET_COOKIE, page.access.cookie())], "{}").into_response())
+    Ok(([(SET_COOKIE, page.access.cookie())], json("{}".into())).into_response())
 }

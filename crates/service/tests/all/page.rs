@@ -158,6 +158,18 @@ async fn every_answer_has_the_headers_that_keep_scripts_of_others_out() {
 }
 
 #[tokio::test]
+async fn a_call_by_another_method_is_refused_as_every_other() {
+    let page = Page::open().await;
+    for line in ["PUT /api/runs", "GET /api/login", "DELETE /api/status", "GET /api/cycle/begin"] {
+        let (status, answer) = page.ask(line, OWN, "").await;
+        let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+        let refusal: Value = serde_json::from_str(body).unwrap_or_else(|_| panic!("{line}: {answer}"));
+        assert!(refusal["error"].is_string() && head.contains("application/json"), "{line}: {answer}");
+        assert!(status == 405 && head.to_lowercase().contains("allow: "), "{line}: {answer}");
+    }
+}
+
+#[tokio::test]
 async fn floods_and_silence_leave_room_for_others() {
     let page = Page::open().await;
     // More connections than are served at once say nothing; the calls after them wait in the queue until those are let go.
@@ -274,6 +286,9 @@ async fn a_report_is_filed_as_the_command_files_it() {
     let other = file.replace("/run/", "/..%2frun/");
     assert_eq!(page.ask(&other, OWN, "{}").await.0, 404);
 
+    for headers in [OWN, "x-trunnion: page\r\n"] {
+        assert_eq!(page.json(file, headers, "").await["run"], "run", "nothing need be said");
+    }
     let filed = page.json(file, OWN, r#"{"by":"Ada","language":"de"}"#).await;
     let html = page.folder.path().join("run.report.html");
     assert_eq!((filed["html"].as_str(), &filed["pdf"]), (html.to_str(), &Value::Null));
