@@ -115,7 +115,7 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// Every mistake, the simpler ones first; of all readings, then, where asked for, of those of one setup.
+    /// Every mistake, the simpler ones first; of all readings, then, where asked for, of those of one setup or part.
     fn all(&self, of_setups: bool) -> Vec<Tried> {
         let setups = &self.run.setups;
         let has_three = setups.iter().all(|setup| setup.instrument.components().len() == 3);
@@ -171,6 +171,9 @@ impl Trial<'_> {
         }
         if has_three {
             tried.extend(self.changed_at_a_point());
+        }
+        // What a correction leaves of a lean of the tool differs with the length of the tool, so with the setup.
+        if has_three && of_setups {
             tried.extend(self.of_parts());
         }
         tried

@@ -3,11 +3,13 @@
 mod bars;
 mod files;
 mod probes;
+mod rows;
 
 use crate::section::write_or_compare;
 use bars::{BARS, bar};
 use files::{Becomes, FILES};
 use probes::PROBES;
+use rows::ROWS;
 use std::path::PathBuf;
 
 pub const READINGS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
@@ -219,7 +221,7 @@ fn every_gross_mistake_is_refused_read_named_or_doubted() {
         assert!(expected.iter().all(|words| text.contains(words)), "{name}: {expected:?} in: {text}");
         table += &row(name, &text);
     }
-    for (name, set, spoil, expected) in PROBES {
+    for (name, set, spoil, expected) in PROBES.into_iter().chain(ROWS) {
         let mut files = Files::committed(set);
         spoil(&mut files);
         let text = said(&files.open());
@@ -229,6 +231,10 @@ fn every_gross_mistake_is_refused_read_named_or_doubted() {
     for (name, cycle, spoil, expected) in BARS {
         let mut files = bar(cycle);
         assert_eq!(said(&files.open()), "", "{name}");
+        // A reading that crosses zero shows it for a while in coarse steps.
+        let mut coarse = bar(cycle);
+        coarse.change("dr_um", |um| (4.0 * um).round() / 4.0);
+        assert_eq!(said(&coarse.open()), "", "{name}, in steps of 0.25 µm");
         spoil(&mut files);
         let text = said(&files.open());
         assert!(expected.iter().all(|words| text.contains(words)), "{name}: {expected:?} in: {text}");

@@ -11,6 +11,10 @@ use crate::problem::passes::passes;
 
 /// Fewer such rows are chance, or no harm.
 const FEWEST: usize = 3;
+/// Readings that cross zero are so many steps of the display away from it about as often as at it.
+const NEAR_STEPS: f64 = 2.0;
+/// Zeros are no crossings where they come so many times as often as each combination of values next to zero: as an end of a range does.
+const TIMES: usize = super::CLIPPED_TIMES;
 
 impl Channels<'_> {
     pub(super) fn zeros(&self) -> Option<Implausible> {
@@ -19,6 +23,13 @@ impl Channels<'_> {
         let is_zero = |at: &usize| channels.iter().all(|&one| self.value_mm(one, *at).abs() < SAME_MM);
         let zeros: Vec<usize> = (0..count).filter(is_zero).collect();
         if zeros.len() < FEWEST || zeros.len() == count {
+            return None;
+        }
+        let near_mm = (NEAR_STEPS + 0.5) * self.shown().step_mm;
+        let is_near = |at: &usize| channels.iter().all(|&one| self.value_mm(one, *at).abs() < near_mm);
+        let next_to_zero = (0..count).filter(is_near).count().saturating_sub(zeros.len());
+        let combinations = (2 * NEAR_STEPS as usize + 1).pow(channels.len() as u32) - 1;
+        if zeros.len() * combinations <= TIMES * next_to_zero {
             return None;
         }
         let passes = passes(&Experiment::of_points(std::slice::from_ref(self.run)).ok()?).passes;
