@@ -46,6 +46,9 @@ use trunnion_core::setup::Setup;
 use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::{JointErrors, Machine};
 
+/// Overrun of a linear axis so that it comes from the side of its pass, mm.
+const OVERRUN_MM: f64 = 5.0;
+
 /// A cycle file, `format = "trunnion-cycle/1"`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
@@ -147,7 +150,7 @@ impl Cycle {
         let along = self.setups[setup].direction.unwrap_or_else(Vector3::x_axis);
         let mut beyond = *first;
         for (k, letter) in Joint::LINEAR.into_iter().enumerate() {
-            beyond[letter] -= pass * visit::OVERRUN_MM * along[k];
+            beyond[letter] -= pass * OVERRUN_MM * along[k];
         }
         Some(beyond)
     }

@@ -34,6 +34,7 @@ mod location;
 mod method_list;
 mod nc_program;
 pub mod number;
+mod of_the_present;
 mod page_status;
 mod plan;
 mod plausibility;
@@ -98,6 +99,7 @@ pub use live::{
 pub use location::{LocationError, LocationErrors};
 pub use method_list::{MethodLine, MethodList, MethodListFormat};
 pub use nc_program::{NcProgram, NcProgramFormat};
+pub use of_the_present::{OF_THE_PRESENT, Offline, OfflineReason, OfflineState, OrOffline};
 pub use page_status::{CycleGrid, GridPose, PageCycle, PageFormat, PageStatus, Serves};
 pub use plan::{Considered, Goal, LeftOpen, NextPlanned, Plan, PlanFormat};
 pub use plausibility::{Check, CheckFormat, FEWEST_POINTS, Plausibility, Question};
@@ -118,10 +120,7 @@ pub use story::{
     Fact, RunFound, RunLine, RunList, RunListFormat, Story, StoryCandidate, StoryFormat, StorySection,
 };
 pub use time_quality::{Stream, SyncMove, SyncMoveChannel, TimeQuality};
-pub use topics::{
-    OF_THE_PRESENT, Offline, OfflineReason, OfflineState, OrOffline, Published, SamplesRemoved, StorageNow,
-    StorageState,
-};
+pub use topics::{Published, SamplesRemoved, StorageNow, StorageState};
 pub use volumetric::{
     Datum, ErrorAt, ErrorMap, ErrorMapFormat, Looked, Unseen, Volumetric, VolumetricFormat, VolumetricValue,
 };

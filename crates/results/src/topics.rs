@@ -1,6 +1,5 @@
 //! What the service publishes next to its status: the disk and what was removed from it.
 
-use crate::{CycleProgress, Live, ReadyNow, ServiceStatus, SetUpState};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,59 +9,6 @@ pub trait Published: Serialize {
     const TOPIC: &'static str;
     /// The name of its schema.
     const SCHEMA: &'static str = Self::TOPIC;
-}
-
-/// Topics of the present, which a service that does not run has not: they are [`Offline`] then.
-pub const OF_THE_PRESENT: [&str; 6] = [
-    ServiceStatus::TOPIC,
-    CycleProgress::TOPIC,
-    Live::TOPIC,
-    ReadyNow::TOPIC,
-    StorageNow::TOPIC,
-    SetUpState::TOPIC,
-];
-
-/// A topic of the present over MQTT.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum OrOffline<T> {
-    /// The service does not run.
-    Offline(Offline),
-    /// It runs.
-    Now(T),
-}
-
-/// What the broker says of a topic of the present while the service does not run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Offline {
-    /// Says that this is all.
-    pub state: OfflineState,
-    /// Why.
-    pub reason: OfflineReason,
-    /// `stopped`: when the service stopped. `lost`: when it connected to the broker, which got its last will then; when it was lost, nobody says. UTC.
-    pub time: String,
-    /// Of the program that ran.
-    pub version: String,
-}
-
-/// `offline`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum OfflineState {
-    /// The service does not run.
-    #[default]
-    Offline,
-}
-
-/// Why a service does not run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum OfflineReason {
-    /// It was stopped.
-    Stopped,
-    /// The broker heard nothing more of it: its last will, of the topic `status` alone.
-    Lost,
 }
 
 /// The topic `storage`: the disk of the recordings and their recorder.

@@ -26,6 +26,7 @@ pub mod plant;
 pub mod print;
 pub mod private_files;
 mod recording;
+mod refused;
 pub mod run_record;
 pub mod set_up;
 pub mod storage;

@@ -1,6 +1,6 @@
 //! What a person at the page or the broker asks of the service: which cycle is next, that it begins now, that it ends now.
 
-use crate::cycles::Refused;
+use crate::refused::Refused;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
 use trunnion::results::ChoiceRefused;

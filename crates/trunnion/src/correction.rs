@@ -7,6 +7,7 @@
 //! Positions of the drives hold the correction, and readings about them show nothing of it: where they hold it, z is about the commanded ones.
 //! Limits: u(k) takes the readings as independent.
 
+mod nest_cycle;
 mod positions;
 mod self_test;
 mod shown;

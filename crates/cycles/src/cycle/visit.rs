@@ -4,14 +4,12 @@
 //! fly: points at a constant rate while the axis turns at its feed, the linear axes following. Moves take the time of the
 //! slowest axis at its feed limit; ramps and look-ahead of the controller are in the allowances of [`Pace`].
 
-use super::{Cycle, Leg, Motion};
+use super::{Cycle, Leg, Motion, OVERRUN_MM};
 use trunnion_core::{AxisValues, Joint, State, convert};
 use trunnion_machine::Machine;
 
 /// Overrun of a rotary axis so that it comes from the side of its pass, rad.
 pub(super) const OVERRUN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Overrun of a linear axis likewise, mm.
-pub(super) const OVERRUN_MM: f64 = 5.0;
 /// Distance for differences along the path, rad.
 const NEAR_RAD: f64 = 5e-3;
 /// Curvature of the path that counts, mm or rad per rad².

@@ -4,7 +4,7 @@
 //! Readings about p₀ then show 1 − k of the correction, about p they show 1 − k + s: s is the share that stands in the positions.
 //! Limits: R-tests alone; a bar does not say where across it the tool was commanded.
 
-use super::self_test::cycle;
+use super::nest_cycle::cycle;
 use crate::Experiment;
 use trunnion_core::{AxisValues, InstrumentKind, Joint};
 use trunnion_results::PositionShare;

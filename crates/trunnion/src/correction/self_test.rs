@@ -1,11 +1,12 @@
 //! Four poses that show the sign of a correction: the corners of the measured range that the errors separate most.
 
+use super::nest_cycle::cycle;
 use super::shown::{pose, seen_mm};
 use crate::{Error, Experiment};
 use nalgebra::Vector3;
-use trunnion_core::convert::{self, mm_from_um, um_from_mm};
+use trunnion_core::convert::{self, um_from_mm};
 use trunnion_core::{Joint, Setup, State};
-use trunnion_cycles::cycle::{Cycle, GridAxis, Motion, Settle};
+use trunnion_cycles::cycle::GridAxis;
 use trunnion_results::{AxisErrors, SelfTest, SelfTestPose};
 
 /// Positions of an axis that are looked at: pairs of 13 are 78, of two axes some 6000.
@@ -14,16 +15,6 @@ const MOST_POSITIONS: usize = 13;
 const POSES: usize = 4;
 /// Changes that are smaller show no sign: a tenth of the step of a usual probe, 0.1 µm.
 const LEAST_CHANGE_MM: f64 = 1e-5;
-
-/// When a pose may be read: as in the shipped static cycles.
-const SETTLE: Settle = Settle {
-    window_s: 0.5,
-    drift_mm: mm_from_um(0.6),
-    noise_mm: mm_from_um(2.0),
-    standstill_mm: mm_from_um(2.0),
-    standstill_rad: convert::rad_from_deg(0.002),
-    timeout_s: 10.0,
-};
 
 /// A setup with its grid of candidates.
 struct Candidates<'a> {
@@ -77,17 +68,6 @@ pub(super) fn self_test(runs: &Experiment, errors: &AxisErrors) -> Result<(SelfT
         program: None,
     };
     Ok((answer, cycle.to_text()))
-}
-
-pub(super) fn cycle(runs: &Experiment, setup: &Setup, grid: Vec<GridAxis>) -> Cycle {
-    Cycle {
-        name: "sign-of-the-correction".into(),
-        machine: runs.machine().name.clone(),
-        setups: vec![setup.clone()],
-        motion: Motion::Static { grid, passes: vec![1.0], settle: SETTLE },
-        rounds: Default::default(),
-        bar: Default::default(),
-    }
 }
 
 /// The positions of up to two rotary axes that this setup was measured at.

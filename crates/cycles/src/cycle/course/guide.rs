@@ -2,7 +2,8 @@
 
 mod height;
 
-use super::super::visit::{OVERRUN_MM, OVERRUN_RAD, Sweeping, VisitError};
+use super::super::OVERRUN_MM;
+use super::super::visit::{OVERRUN_RAD, Sweeping, VisitError};
 use super::super::{Cycle, Leg, Motion};
 use super::step::{CourseRules, Step};
 use crate::RunKind;
