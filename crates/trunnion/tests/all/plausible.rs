@@ -47,6 +47,21 @@ fn a_coarse_display_of_a_quiet_machine_raises_no_doubt() {
     }
 }
 
+/// With a long tool in a swivelling head a free angle of the nest makes nearly as little of the readings as the scale of Y that they hold. No
+/// model holds a nest turned so far either, so that it does not stand in the answer.
+#[test]
+fn a_scale_of_an_axis_of_a_head_is_no_nest_mounted_turned() {
+    let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/scale-on-a-head");
+    let mut files = Files::committed("scale-on-a-head");
+    files.replace("\"m.toml\"", &format!("{:?}", data.join("machine.toml")));
+    let run = files.open();
+    assert_eq!(run.check().plausibility, []);
+    let found = run.fit(&run.base_model()).unwrap().diagnose().unwrap().results();
+    assert_eq!(found.named(), ["linear-scale:Y"]);
+    assert_eq!(found.set, ["linear-scale:Y"]);
+    assert!(found.candidates[0].adequate && found.why.is_empty(), "{}", found.why);
+}
+
 /// What a pause never gives is said; a pause, a night and a clock that begins again at each setup are no doubt.
 #[test]
 fn a_clock_that_was_set_forward_or_stands_is_said_and_a_pause_is_not() {
