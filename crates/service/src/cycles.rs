@@ -123,8 +123,8 @@ impl Cycles {
         let of_every = || self.0.iter().find(|choice| choice.begun_by == BegunBy::Every);
         let by_number = self.0.iter().any(|choice| matches!(choice.begun_by, BegunBy::Signal(_)));
         let refused = || match signal.filter(|_| by_number) {
-            Some(signal) => Refused::NoSignal { signal, allowed: self.beginnings(program) },
-            None => Refused::NoProgram { program: program.into(), allowed: self.beginnings(program) },
+            Some(signal) => Refused::Signal { signal, allowed: self.beginnings(program) },
+            None => Refused::Program { program: program.into(), allowed: self.beginnings(program) },
         };
         of_signal.or_else(|| self.0.iter().find(is_named)).or_else(of_every).ok_or_else(refused)
     }

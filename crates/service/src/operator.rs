@@ -46,7 +46,7 @@ impl Operator {
     pub fn choose(&self, cycle: &str) -> Result<(), Refused> {
         let cycle = cycle.trim();
         if cycle.len() > LONGEST_NAME {
-            return Err(Refused::NoName { bytes: cycle.len() });
+            return Err(Refused::Name { bytes: cycle.len() });
         }
         let offered = lock(&self.shared.offered);
         let chosen = Some(cycle.to_owned()).filter(|cycle| !cycle.is_empty());
@@ -64,7 +64,7 @@ impl Operator {
     /// # Errors
     /// As [`Self::choose`], and where it is no text.
     pub fn choose_unanswered(&self, cycle: &[u8]) -> Result<(), (Refused, bool)> {
-        let no_name = |_| Refused::NoName { bytes: cycle.len() };
+        let no_name = |_| Refused::Name { bytes: cycle.len() };
         let chosen = std::str::from_utf8(cycle).map_err(no_name).and_then(|cycle| self.choose(cycle));
         chosen.map_err(|refused| {
             let (mut kept, why) = (lock(&self.shared.refused), refused.to_string());

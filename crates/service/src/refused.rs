@@ -7,7 +7,7 @@ use trunnion_core::names::allowed;
 pub enum Refused {
     /// No `[[program]]` is like it.
     #[error("no [[program]] of the configuration is named like \"{program}\"; allowed: {allowed}")]
-    NoProgram {
+    Program {
         /// The program.
         program: String,
         /// What would have been measured.
@@ -15,7 +15,7 @@ pub enum Refused {
     },
     /// No `[[program]]` has the number of the signal.
     #[error("no [[program]] of the configuration has signal = {signal}; allowed: {allowed}")]
-    NoSignal {
+    Signal {
         /// The number.
         signal: u32,
         /// What would have been measured.
@@ -23,7 +23,7 @@ pub enum Refused {
     },
     /// The operator chose what there is not.
     #[error("there is no cycle {chosen:?}; allowed: {allowed}")]
-    NoCycle {
+    Cycle {
         /// What was chosen.
         chosen: String,
         /// What could have been.
@@ -31,7 +31,7 @@ pub enum Refused {
     },
     /// What was chosen is too long for a name, or no text.
     #[error("{bytes} bytes came in place of the name of a cycle, in UTF-8 and no longer than that of a file")]
-    NoName {
+    Name {
         /// How many came.
         bytes: usize,
     },
@@ -40,6 +40,6 @@ pub enum Refused {
 impl Refused {
     /// None of these cycles is the chosen one.
     pub(crate) fn no_cycle<'a>(chosen: &str, names: impl Iterator<Item = &'a str>) -> Self {
-        Self::NoCycle { chosen: chosen.into(), allowed: allowed(chosen, names) }
+        Self::Cycle { chosen: chosen.into(), allowed: allowed(chosen, names) }
     }
 }
