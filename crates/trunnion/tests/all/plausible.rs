@@ -51,8 +51,8 @@ fn a_coarse_display_of_a_quiet_machine_raises_no_doubt() {
 /// model holds a nest turned so far either, so that it does not stand in the answer.
 #[test]
 fn a_scale_of_an_axis_of_a_head_is_no_nest_mounted_turned() {
-    let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/scale-on-a-head");
-    let mut files = Files::committed("scale-on-a-head");
+    let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/own-machine/scale-on-a-head");
+    let mut files = Files::committed("own-machine/scale-on-a-head");
     files.replace("\"m.toml\"", &format!("{:?}", data.join("machine.toml")));
     let run = files.open();
     assert_eq!(run.check().plausibility, []);
