@@ -80,6 +80,18 @@ impl Model {
     }
 }
 
+/// An effect of an axis that does not move in these runs has a value there that they do not ask for: which part of it a setting takes up, nobody
+/// can say.
+fn within_reach(instance: &Instance, experiment: &trunnion_engine::Experiment) -> Result<(), Error> {
+    let scene = &experiment.scene;
+    let rests = matches!(instance.subject(), effects::Subject::Axis(joint) if !scene.moves(joint));
+    if rests && instance.parameters(scene).is_empty() {
+        let why = instance.out_of_reach(scene).unwrap_or_else(|| "has no parameter here".into());
+        return Err(IdentifyError::OutOfReach { effect: instance.id(), why }.into());
+    }
+    Ok(())
+}
+
 fn other_machine(fitted: &str, run: &Run) -> Error {
     Error::OtherMachine { fitted: fitted.into(), run: run.name.clone(), found: run.machine.name.clone() }
 }
@@ -217,6 +229,7 @@ impl<'v> Frozen<'v> {
         for entry in &model.effects {
             let instance =
                 Instance::from_model_effect(entry, experiment.machine()).map_err(IdentifyError::from)?;
+            within_reach(&instance, experiment)?;
             let fitted_shape = values.shapes.iter().find(|(id, _)| *id == entry.id).map(|(_, shape)| shape);
             let shape = fitted_shape.unwrap_or(&entry.shape).clone();
             let columns = experiment.columns(&instance, &shape);
