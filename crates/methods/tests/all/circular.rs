@@ -18,13 +18,17 @@ const R_MM: f64 = 150.0;
 
 /// The shipped XY circle; the tool is displaced by `(x, y)` mm of the state; noise in µm.
 fn circle(displaced: impl Fn(&State) -> (f64, f64), noise_um: f64, calibrated: bool) -> Run {
+    circle_with(displaced, noise_um, calibrated, 5)
+}
+
+fn circle_with(displaced: impl Fn(&State) -> (f64, f64), noise_um: f64, calibrated: bool, seed: u64) -> Run {
     let path = format!("{}/../../config/cycles/circle-xy.toml", env!("CARGO_MANIFEST_DIR"));
     let mut cycle = Cycle::parse("cycle.toml", &std::fs::read_to_string(path).unwrap())
         .unwrap_or_else(|problems| panic!("{problems}"));
     cycle.setups[0].calibrated = calibrated;
     let machine = shipped::machine(&cycle.machine).unwrap();
     let states = cycle.visits(&machine, &Pace::default()).unwrap_or_else(|error| panic!("{error}")).states;
-    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     let noise = Normal::new(0.0, noise_um.max(1e-9) * UM).unwrap();
     let point = |state: State| {
         let nominal_mm = predict(&machine, &cycle.setups[0], &state, &Errors::default()).x;
@@ -200,13 +204,16 @@ fn the_noise_is_that_of_the_readings_whatever_the_list_lacks() {
         let radial = 8.0 * UM * (4.0 * angle(s)).cos();
         (radial * angle(s).cos(), radial * angle(s).sin())
     };
-    let found = circular(circle(off_list, 0.3, false));
-    let note = &found.value("XY unexplained share").unwrap().note;
-    let noise_um = note.split("noise of the readings ").nth(1).and_then(|rest| rest.split(' ').next());
-    let noise_um: f64 = noise_um.and_then(|text| text.parse().ok()).unwrap_or_else(|| panic!("{note}"));
-    // Of 1130 readings the median of second differences gives it to 4 %.
-    near(noise_um, 0.3, 0.03, "noise");
-    assert!(note.contains("more than noise"), "{note}");
+    let said_um = |seed: u64| -> f64 {
+        let found = circular(circle_with(off_list, 0.3, false, seed));
+        let note = &found.value("XY unexplained share").unwrap().note;
+        assert!(note.contains("more than noise"), "{note}");
+        let said = note.split("noise of the readings ").nth(1).and_then(|rest| rest.split(' ').next());
+        said.and_then(|text| text.parse().ok()).unwrap_or_else(|| panic!("{note}"))
+    };
+    // Of 1130 readings the median of second differences gives it to 4 %, of twelve runs to 1.2 %.
+    let mean_um = (0..12).map(said_um).sum::<f64>() / 12.0;
+    near(mean_um, 0.3, 0.01, "noise");
 }
 
 #[test]
