@@ -1,5 +1,5 @@
-//! What several named methods share: readings of a ball bar to first order, readings as displacements, readings of an axis that turns alone, and their means over
-//! angle.
+//! What several named methods share: readings of a ball bar to first order, readings as displacements, readings of an axis that turns
+//! alone, and their means over angle.
 
 pub(crate) mod bar;
 pub(crate) mod feed;

@@ -86,8 +86,7 @@ fn within_reach(instance: &Instance, experiment: &trunnion_engine::Experiment) -
     let scene = &experiment.scene;
     let rests = matches!(instance.subject(), effects::Subject::Axis(joint) if !scene.moves(joint));
     if rests && instance.parameters(scene).is_empty() {
-        let why = instance.out_of_reach(scene).unwrap_or_else(|| "has no parameter here".into());
-        return Err(IdentifyError::OutOfReach { effect: instance.id(), why }.into());
+        return Err(IdentifyError::out_of_reach(instance, scene).into());
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! How to fit, and what can go wrong.
 
-use trunnion_effects::UnknownEffect;
+use trunnion_effects::{Instance, Scene, UnknownEffect};
 
 /// Choices of a fit. The default is what `trunnion identify` does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,4 +156,12 @@ pub enum IdentifyError {
         /// Unit on screens.
         unit: &'static str,
     },
+}
+
+impl IdentifyError {
+    /// Of an effect that has no parameter in this scene.
+    pub fn out_of_reach(instance: &Instance, scene: &Scene) -> Self {
+        let why = instance.out_of_reach(scene).unwrap_or_else(|| "has no parameter here".into());
+        Self::OutOfReach { effect: instance.id(), why }
+    }
 }

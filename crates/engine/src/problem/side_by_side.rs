@@ -51,9 +51,7 @@ impl SideBySide {
             let placed = place(experiment, entry)?;
             let parameters = placed.instance.parameters(&experiment.scene);
             if parameters.is_empty() {
-                let why = placed.instance.out_of_reach(&experiment.scene);
-                let why = why.unwrap_or_else(|| "has no parameter here".into());
-                return Err(IdentifyError::OutOfReach { effect: entry.id.clone(), why });
+                return Err(IdentifyError::out_of_reach(&placed.instance, &experiment.scene));
             }
             for (name, prior) in &entry.prior {
                 let j = index(entry, &parameters, name)?;

@@ -5,7 +5,7 @@ use crate::plausibility::fitted::Tried;
 use nalgebra::{Rotation3, Vector3};
 
 impl Trial<'_> {
-    /// With each rotary axis of the side of the nest, each way.
+    /// With each rotary axis, each way.
     pub(super) fn turning(&self) -> Vec<Tried> {
         let machine = self.experiment.machine();
         let both = |axis: &trunnion_machine::Axis| {

@@ -10,7 +10,7 @@ use super::axes::PROBES;
 use crate::plausibility::fitted::{Fitted, Tried, columns};
 use nalgebra::DVector;
 
-/// Rounds of guessing; a right trial needs some five.
+/// Rounds of guessing at most: each leaves less, so that they end.
 const MOST_ROUNDS: usize = 30;
 
 impl Trial<'_> {

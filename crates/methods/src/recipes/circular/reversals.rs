@@ -3,7 +3,7 @@
 //! An axis reverses at the ends of its diameter, so its travel since is known from the first end on that a pass goes through: R (1 + sgn v · x/R), x its
 //! place from the centre. Before that end it depends on how the tool came to the beginning. A run in along the circle, which no row shows, brings no
 //! reversal; from rest or out of a straight line the axis may reverse right at the beginning, and so stick there as it does at an end, or not. Where the
-//! travel that the run states begins anew there, it is the rows that begin, not known to be the axis: what sticks at that beginning is a size of its own.
+//! travel that the run states begins at zero there, it is the rows that begin, not known to be the axis: what sticks at that beginning is a size of its own.
 
 use super::sample::{Reversal, Sample};
 
