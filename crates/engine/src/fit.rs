@@ -12,6 +12,7 @@ pub mod identification;
 mod mixture;
 pub mod options;
 mod second_order;
+mod sensitivity;
 mod shape;
 mod structured;
 mod uncertainty;
@@ -22,6 +23,7 @@ use crate::fit::gauss_newton::{Converged, converge};
 use crate::fit::holdout::holdout;
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification, Outlier};
 use crate::fit::second_order::second_order;
+use crate::fit::sensitivity::Sensitivity;
 use crate::fit::shape::search_shapes;
 use crate::fit::structured::{Structured, structured};
 use crate::fit::uncertainty::{covariance, sums};
@@ -109,26 +111,35 @@ fn gather(
     let passes = passes(experiment);
     let sums = sums(design, &passes, &fit, used);
     let determined = &fit.datum.determined;
+    let known = Sensitivity::new(design, &fit, used);
     let structured = match options.uncertainties {
         Uncertainties::NoiseParts => {
-            structured(design, &fit, used, other.and_then(|other| other.noise.as_ref()))
+            structured(&known, &fit, used, other.and_then(|other| other.noise.as_ref()))
         }
         Uncertainties::Clusters => None,
     };
     let (mut small, noise_parts, noise) = match structured {
         Some(Structured { covariance, parts, noise }) => (covariance, parts, Some(noise)),
-        None => (covariance(&fit, &sums, design.weights), Vec::new(), None),
+        None => (known.opened(&covariance(&fit, &sums, design.weights), &fit), Vec::new(), None),
     };
+    let mut of_parameters = small.view_mut((0, 0), (determined.len(), determined.len()));
     if let Some(of_tilts) = second_order(design, &fit, used) {
-        small += of_tilts;
+        of_parameters += of_tilts;
     }
-    small += of_null_directions(&fit.datum);
-    let mut covariance = DMatrix::zeros(joint.width(), joint.width());
-    for (a, &i) in determined.iter().enumerate() {
-        for (b, &j) in determined.iter().enumerate() {
+    of_parameters += of_null_directions(&fit.datum);
+    let numbers = &known.numbers;
+    let places: Vec<usize> =
+        determined.iter().copied().chain((0..numbers.len()).map(|k| joint.width() + k)).collect();
+    let mut covariance = DMatrix::zeros(joint.width() + numbers.len(), joint.width() + numbers.len());
+    for (a, &i) in places.iter().enumerate() {
+        for (b, &j) in places.iter().enumerate() {
             covariance[(i, j)] = small[(a, b)];
         }
     }
+    let in_covariance = |effect: usize, at: usize| {
+        let number = numbers.iter().position(|number| (number.effect, number.at) == (effect, at))?;
+        Some(joint.width() + number)
+    };
     let names = names(joint);
     let without_number: Vec<usize> = (0..joint.width())
         .filter(|&j| fit.datum.status[j] == Status::Unobservable)
@@ -149,10 +160,12 @@ fn gather(
         effects: joint
             .effects
             .iter()
-            .map(|placed| FittedEffect {
+            .enumerate()
+            .map(|(k, placed)| FittedEffect {
                 id: placed.id.clone(),
                 shape_names: placed.shapes.names.clone(),
                 shape: placed.shape.clone(),
+                shape_in_covariance: (0..placed.shape.len()).map(|at| in_covariance(k, at)).collect(),
             })
             .collect(),
         points: experiment.points.len(),

@@ -110,18 +110,26 @@ pub struct Shape {
     pub names: Vec<String>,
     /// Their values.
     pub values: Vec<f64>,
+    /// Their standard uncertainties; null for one that the model gives, that counts, or that is the moment of a sudden change.
+    #[serde(default)]
+    pub u: Vec<Option<f64>>,
 }
 
 impl Shape {
     fn listed(&self) -> impl Iterator<Item = Parameter> {
-        self.names.iter().zip(&self.values).map(|(name, value)| Parameter {
-            name: name.clone(),
-            effect: self.effect.clone(),
-            value: Some(*value),
-            unit: Unit::in_name(name).symbol.into(),
-            observable: true,
-            note: "of its shape: no uncertainty is stated".into(),
-            ..Parameter::default()
+        self.names.iter().zip(&self.values).enumerate().map(|(k, (name, value))| {
+            let u = self.u.get(k).copied().flatten();
+            Parameter {
+                name: name.clone(),
+                effect: self.effect.clone(),
+                value: Some(*value),
+                u,
+                unit: Unit::in_name(name).symbol.into(),
+                observable: true,
+                note: if u.is_some() { "of its shape" } else { "of its shape: no uncertainty is stated" }
+                    .into(),
+                ..Parameter::default()
+            }
         })
     }
 }

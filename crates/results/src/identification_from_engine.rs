@@ -16,7 +16,12 @@ impl From<&engine::Identification> for Identification {
             machine: fit.machine.clone(),
             runs: fit.runs.clone(),
             effects: fit.effects.iter().map(|effect| effect.id.clone()).collect(),
-            shapes: fit.effects.iter().filter(|effect| !effect.shape.is_empty()).map(shape).collect(),
+            shapes: fit
+                .effects
+                .iter()
+                .filter(|effect| !effect.shape.is_empty())
+                .map(|effect| shape(fit, effect))
+                .collect(),
             points: fit.points,
             outliers: fit.outliers.len(),
             outlier_points: fit.outliers.iter().map(outlier).collect(),
@@ -68,8 +73,9 @@ impl From<&engine::FittedParameter> for Parameter {
     }
 }
 
-fn shape(effect: &engine::FittedEffect) -> Shape {
-    Shape { effect: effect.id.clone(), names: effect.shape_names.clone(), values: effect.shape.clone() }
+fn shape(fit: &engine::Identification, effect: &engine::FittedEffect) -> Shape {
+    let (names, values) = (effect.shape_names.clone(), effect.shape.clone());
+    Shape { effect: effect.id.clone(), names, values, u: fit.shape_u(effect) }
 }
 
 fn outlier(outlier: &engine::Outlier) -> Outlier {

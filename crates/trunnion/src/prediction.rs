@@ -16,7 +16,7 @@ use std::path::Path;
 use trunnion_core::convert::{mm_from_um, um_from_mm};
 use trunnion_core::statistics::COVERAGE_95;
 use trunnion_cycles::Run;
-use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, ModelEffect};
+use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, ModelEffect, Parameter};
 use trunnion_engine::fit::Options;
 use trunnion_engine::{HeldOut, Identification, IdentifyError, Status};
 use trunnion_results as results;
@@ -249,6 +249,14 @@ impl<'v> Frozen<'v> {
                     known.push(Known { value: fitted, per_inside: parameter.unit.per_inside, number });
                 }
             }
+            for (at, name) in instance.shapes(&experiment.scene).names.iter().enumerate() {
+                if let Some((number, fitted)) =
+                    find(values, &entry.id, name).filter(|(_, fitted)| fitted.u.is_some_and(|u| u > 0.0))
+                {
+                    held.push(change_mm(experiment, &instance, &frozen_entry, at, fitted));
+                    known.push(Known { value: fitted, per_inside: 1.0, number });
+                }
+            }
             frozen.effects.push(frozen_entry);
         }
         let matrix = |columns: &[DVector<f64>]| match columns {
@@ -286,6 +294,23 @@ impl<'v> Frozen<'v> {
             COVERAGE_95 * (of_values + scatter_mm * scatter_mm * free).sqrt()
         })
     }
+}
+
+/// What a shape number changes in the readings of its effect over ± u, mm per unit of it: as the covariance of the values takes it.
+fn change_mm(
+    experiment: &trunnion_engine::Experiment,
+    instance: &Instance,
+    entry: &ModelEffect,
+    at: usize,
+    fitted: &FittedValue,
+) -> DVector<f64> {
+    let parameters = instance.parameters(&experiment.scene);
+    let value = |parameter: &Parameter| {
+        let held = entry.fixed.iter().find(|(name, _)| *name == parameter.name);
+        held.map_or(0.0, |(_, value)| value / parameter.unit.per_inside)
+    };
+    let values = DVector::from_iterator(parameters.len(), parameters.iter().map(value));
+    experiment.change_with_shape(instance, &entry.shape, at, fitted.u.unwrap_or_default(), &values)
 }
 
 /// A value, and its number among those with a standard uncertainty.

@@ -1,10 +1,11 @@
 //! Values of a fit as a model file keeps them: with covariance, and with what differs between runs.
 
 use crate::{Fit, Model};
+use nalgebra::DMatrix;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::{Point, Quality};
 use trunnion_cycles::Run;
-use trunnion_effects::{self as effects, FittedRun, FittedValue, FittedValues};
+use trunnion_effects::{self as effects, FittedRun, FittedValue, FittedValues, Unit};
 use trunnion_engine::fit::Options;
 use trunnion_engine::{BetweenRuns, HeldOut, Identification, LeftOut, Status, between_runs, identify};
 use trunnion_results::sentences::is_setting;
@@ -26,8 +27,7 @@ impl Fit {
             let between = self.between_runs()[k];
             let correlation = parameter.u.map_or_else(Vec::new, |u| {
                 correlated.push((k, u));
-                let rho = |(i, u_i): &(usize, f64)| (fitted.covariance[(*i, k)] / (u_i * u)).clamp(-1.0, 1.0);
-                correlated.iter().map(|one| short(rho(one))).collect()
+                correlation(&fitted.covariance, &correlated)
             });
             parameters.push(FittedValue {
                 effect: parameter.effect.clone(),
@@ -38,6 +38,22 @@ impl Fit {
                 between_runs: between.map(|between| short(between.sd * per_inside)),
                 correlation,
             });
+        }
+        for effect in fitted.effects.iter().filter(|effect| !is_setting(&effect.id)) {
+            let numbers = effect.shape_names.iter().zip(&effect.shape).zip(&effect.shape_in_covariance);
+            for (((name, value), row), u) in numbers.zip(fitted.shape_u(effect)) {
+                let Some((row, u)) = row.zip(u) else { continue };
+                correlated.push((row, u));
+                parameters.push(FittedValue {
+                    effect: effect.id.clone(),
+                    name: name.clone(),
+                    unit: Unit::in_name(name).symbol.into(),
+                    value: *value,
+                    u: Some(short(u)),
+                    between_runs: None,
+                    correlation: correlation(&fitted.covariance, &correlated),
+                });
+            }
         }
         FittedValues {
             date: date.into(),
@@ -82,6 +98,15 @@ impl Model {
     pub fn with_values(&self, values: &FittedValues) -> Result<Self, crate::Error> {
         Self::parse(crate::model::EDITED, effects::Model::with_values(self.text(), values)?)
     }
+}
+
+/// ρ of the last of `known` (row of the covariance, u) with each of them.
+fn correlation(covariance: &DMatrix<f64>, known: &[(usize, f64)]) -> Vec<f64> {
+    let Some(&(last, u)) = known.last() else { return Vec::new() };
+    known
+        .iter()
+        .map(|&(row, other)| short((covariance[(row, last)] / (other * u)).clamp(-1.0, 1.0)))
+        .collect()
 }
 
 /// True where a run measures what another did: at rest or on the fly alike, with the same setups.

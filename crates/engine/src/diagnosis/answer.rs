@@ -24,7 +24,7 @@ use crate::spectrum::Wave;
 use nalgebra::DMatrix;
 use std::f64::consts::LN_10;
 use trunnion_core::convert::um_from_mm;
-use trunnion_effects::{Formula, Unit};
+use trunnion_effects::Formula;
 
 /// A named effect that explains at least this share leads, although a part remains.
 const MOSTLY: f64 = 0.8;
@@ -166,18 +166,13 @@ fn invisible(scan: &Scan<'_>, found: &Found, candidates: &[Candidate]) -> Vec<St
     imitated.filter(|id| !is_shown(id)).collect()
 }
 
-/// The period among the shape numbers of `effect` has the uncertainty that its wave shows.
-fn with_u_of(wave: &Wave, effect: &str, parameters: &mut [CandidateParameter]) {
-    if wave.unit != Unit::MM.symbol {
-        return;
-    }
-    let is_period = |p: &&mut CandidateParameter| {
-        p.effect == effect
-            && p.u.is_none()
-            && p.unit == wave.unit
-            && p.value.is_some_and(|mm| (mm - wave.value).abs() < wave.u)
+/// `wave` of an effect with the uncertainty that its frequency has in the fit, drift and offsets included.
+fn as_fitted(wave: Wave, effect: &str, parameters: &[CandidateParameter]) -> Wave {
+    let is_it = |p: &&CandidateParameter| {
+        p.effect == effect && p.value.is_some_and(|value| (value - wave.value).abs() < wave.u)
     };
-    parameters.iter_mut().filter(is_period).for_each(|p| p.u = Some(wave.u));
+    let of_fit = parameters.iter().filter(is_it).find_map(|p| p.u);
+    Wave { u: of_fit.unwrap_or(wave.u), ..wave }
 }
 
 struct Context<'a> {
@@ -268,15 +263,15 @@ impl Context<'_> {
         }
     }
 
-    /// Parameters of what was added, periods with their uncertainty; the waves that these are of, each with its effect.
+    /// Parameters of what was added; the waves that these are of, each with its effect.
     fn parameters(&self, refit: &Refit) -> (Vec<CandidateParameter>, Vec<(String, Wave)>) {
-        let mut parameters = refit.parameters();
+        let parameters = refit.parameters();
         let of_shape = |(effect, shape): (&str, &[f64])| {
             let named = self.scan.named.iter().find(|named| named.instance.id() == effect)?;
-            Some((effect.to_string(), Wave::of_effect(&self.scan.residual, &named.instance, shape)?))
+            let wave = Wave::of_effect(&self.scan.residual, &named.instance, shape)?;
+            Some((effect.to_string(), as_fitted(wave, effect, &parameters)))
         };
-        let waves: Vec<(String, Wave)> = refit.shapes().filter_map(of_shape).collect();
-        waves.iter().for_each(|(effect, wave)| with_u_of(wave, effect, &mut parameters));
+        let waves = refit.shapes().filter_map(of_shape).collect();
         (parameters, waves)
     }
 

@@ -217,11 +217,12 @@ impl Refit {
             });
         let effects = self.fit.effects.iter().filter(|effect| self.is_new(&effect.id));
         let shapes = effects.flat_map(|effect| {
-            effect.shape_names.iter().zip(&effect.shape).map(move |(name, value)| CandidateParameter {
+            let numbers = effect.shape_names.iter().zip(&effect.shape).zip(self.fit.shape_u(effect));
+            numbers.map(move |((name, value), u)| CandidateParameter {
                 effect: effect.id.clone(),
                 name: name.clone(),
                 value: Some(*value),
-                u: None,
+                u,
                 unit: Unit::in_name(name).symbol.into(),
             })
         });

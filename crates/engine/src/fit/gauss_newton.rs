@@ -7,6 +7,7 @@
 
 use crate::IdentifyError;
 use crate::fit::Options;
+use crate::noise::weights::Weights;
 use crate::problem::design::Design;
 use crate::problem::side_by_side::Expected;
 use crate::solve::linear::{Reduced, Solver};
@@ -56,6 +57,11 @@ pub(crate) struct Converged {
 impl Converged {
     pub fn degrees_of_freedom(&self) -> usize {
         self.rows_used - self.datum.determined.len()
+    }
+
+    /// Standard deviation of a reading of weight one, not below that which the weights stand for, mm.
+    pub fn reading_mm(&self, weights: &Weights) -> f64 {
+        self.sigma_mm.max(weights.reference_mm)
     }
 }
 

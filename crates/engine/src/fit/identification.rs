@@ -33,7 +33,8 @@ pub struct Identification {
     /// Parameter vector behind `predicted_mm`, inside units, in the order of `parameters`. What has no number in
     /// `parameters` still has an arbitrary (small) one here: never show it.
     pub solution: DVector<f64>,
-    /// Covariance of `solution` under noise as machines make it, inside units; zero in the rows of parameters without uncertainty.
+    /// Covariance of `solution` under noise as machines make it, inside units; zero in the rows of parameters without uncertainty. Rows
+    /// after those of `parameters` are of shape numbers that the fit found ([`FittedEffect::shape_in_covariance`]).
     pub covariance: DMatrix<f64>,
     /// Exact prediction, mm; rows as in [`crate::Experiment`].
     pub predicted_mm: DVector<f64>,
@@ -77,6 +78,8 @@ pub struct FittedEffect {
     pub shape_names: Vec<String>,
     /// Shape numbers used; empty when the effect has none.
     pub shape: Vec<f64>,
+    /// Row of each shape number in the covariance; `None` for one that the model gives, that counts, or that is a moment.
+    pub shape_in_covariance: Vec<Option<usize>>,
 }
 
 /// One parameter of the model.
@@ -224,6 +227,12 @@ impl Identification {
     /// The parameter of this name.
     pub fn parameter(&self, name: &str) -> Option<&FittedParameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)
+    }
+
+    /// Standard uncertainty of each shape number of an effect; `None` where the fit did not find it, or it counts.
+    pub fn shape_u(&self, effect: &FittedEffect) -> Vec<Option<f64>> {
+        let u = |row: &Option<usize>| row.map(|row| self.covariance[(row, row)].max(0.0).sqrt());
+        effect.shape_in_covariance.iter().map(u).collect()
     }
 
     /// How well readings repeat; `None` where too few poses were measured twice to judge a residual by.

@@ -37,7 +37,7 @@ pub(crate) fn second_order(design: &Design<'_>, fit: &Converged, used: &[bool]) 
         changes.set_column(2 * k, &of_readings((&more - &less) * 0.5));
         changes.set_column(2 * k + 1, &of_readings(more + less - &fit.predicted_mm * 2.0));
     }
-    let of_parameters = fit.solver.cofactor() * on_columns(design, &fit.datum.determined, &changes);
+    let of_parameters = fit.solver.cofactor() * design.on_columns(&fit.datum.determined, &changes);
     let mut mean = DVector::zeros(of_parameters.nrows());
     let mut covariance = DMatrix::zeros(mean.len(), mean.len());
     for k in 0..unknown.len() {
@@ -57,14 +57,4 @@ pub(crate) fn u_beforehand(joint: &SideBySide, fit: &Converged, j: usize) -> Opt
         (Status::Unobservable, None) => Some(of_instrument),
         _ => None,
     }
-}
-
-/// Aᵀ `changes` for the determined parameters.
-fn on_columns(design: &Design<'_>, determined: &[usize], changes: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut sums = DMatrix::zeros(determined.len(), changes.ncols());
-    design.blocks(&mut |_, rows, columns| {
-        let chosen = columns.select_columns(determined);
-        sums.gemm_tr(1.0, &chosen, &changes.rows(rows.start, rows.len()), 1.0);
-    });
-    sums
 }

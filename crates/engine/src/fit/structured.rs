@@ -5,6 +5,7 @@
 //!
 //! C = N (Σ_i s²W_i q_i a_i a_iᵀ + Σ_k v_k AᵀK_kA + Π) N + δδᵀ,   N = (AᵀA + P)⁻¹,   q_i = (Py)_i²/P_ii
 //!
+//! A: the columns of the determined parameters, and of the shape numbers that the fit found ([`crate::fit::sensitivity`]).
 //! s, W, K_k: the noise that a diagnosis learns (`noise::learned`, docs/design/statistics.md §1); v_k: posterior means of s²ρ_k²; Π: the
 //! u² of the priors. a_i: rows of A. q_i: the square of the white part of a reading over what is expected of it, 1 on average; it holds
 //! whatever the size of the white noise depends on [White 1980]. δ: from the estimate to the one that weights the readings by Σ⁻¹. Σ says
@@ -18,13 +19,13 @@ use crate::Experiment;
 use crate::fit::gauss_newton::Converged;
 use crate::fit::identification::NoisePart;
 use crate::fit::mixture::{half_width, places};
+use crate::fit::sensitivity::Sensitivity;
 use crate::noise::learned::Real;
 use crate::noise::learned::display::Display;
 use crate::noise::learned::kernels::{Kernel, Kernels, Over, Part};
 use crate::noise::learned::mode::Mode;
 use crate::noise::learned::posterior::{Size, sizes};
 use crate::noise::learned::remainder::{Fitted, Learned, Remainder};
-use crate::problem::design::Design;
 use crate::problem::rows::Rows;
 use nalgebra::{DMatrix, DVector};
 use std::convert::Infallible;
@@ -44,7 +45,7 @@ const PARTS: [(Part, &str); 4] = [
 
 /// What the learned noise says of a fit.
 pub(crate) struct Structured {
-    /// Of the determined parameters.
+    /// Of the determined parameters and the shape numbers that the fit found.
     pub covariance: DMatrix<f64>,
     pub parts: Vec<NoisePart>,
     pub noise: Learned,
@@ -52,14 +53,14 @@ pub(crate) struct Structured {
 
 /// `None` outside the limits. `other`: the noise of another fit of the same points.
 pub(crate) fn structured(
-    design: &Design<'_>,
+    known: &Sensitivity<'_, '_>,
     fit: &Converged,
     used: &[bool],
     other: Option<&Learned>,
 ) -> Option<Structured> {
-    let determined = &fit.datum.determined;
+    let design = known.design;
     if fit.degrees_of_freedom() < FEWEST_DEGREES_OF_FREEDOM
-        || determined.is_empty()
+        || known.width() == 0
         || is_mixed(design.experiment)
     {
         return None;
@@ -71,7 +72,7 @@ pub(crate) fn structured(
         used,
         other,
     };
-    let means = |rows: &Rows<'_>, _: &_| Ok::<_, Infallible>(means(design, rows, determined));
+    let means = |rows: &Rows<'_>, _: &_| Ok::<_, Infallible>(means(known, rows));
     let Ok(remainder) = Remainder::new(design.experiment, &fitted, means);
     if remainder.y.len() < 2 * remainder.basis.ncols() {
         return None;
@@ -81,10 +82,10 @@ pub(crate) fn structured(
     let sizes = sizes(&mode, kernels);
     let white_mm = mode.white() * unit_mm;
     let white = noise.white.component_mul(&squares(&mode));
-    let (of_nodes, of_white) = sums(design, &remainder.rows, determined, used, &white);
-    let cofactor = fit.solver.cofactor();
-    let constant = &cofactor * (of_white * white_mm.powi(2) + prior_scores(design, fit)) * &cofactor;
-    let influence = of_nodes * &cofactor;
+    let (of_nodes, of_white) = sums(known, &remainder.rows, used, &white);
+    let cofactor = &known.cofactor;
+    let constant = cofactor * (of_white * white_mm.powi(2) + prior_scores(known, fit)) * cofactor;
+    let influence = of_nodes * cofactor;
     let constant = constant + of_display(&remainder, &influence, &fit.predicted_mm);
     let influence = influence * unit_mm;
     let not_corrected = correction(&remainder, &mode, &influence);
@@ -162,30 +163,25 @@ fn draws(sizes: &[Size]) -> Vec<Vec<f64>> {
 }
 
 /// The columns on the rows that are looked at, weighted.
-fn means(design: &Design<'_>, rows: &Rows<'_>, determined: &[usize]) -> DMatrix<f64> {
-    let mut shares = vec![0.0; design.experiment.points.len()];
+fn means(known: &Sensitivity<'_, '_>, rows: &Rows<'_>) -> DMatrix<f64> {
+    let mut shares = vec![0.0; known.design.experiment.points.len()];
     for node in 0..rows.points.points.len() {
         let points = rows.points_of(node);
         points.iter().for_each(|&point| shares[point] = 1.0 / points.len() as f64);
     }
-    on_nodes(design, rows, determined, |point| shares[point])
+    on_nodes(known, rows, |point| shares[point])
 }
 
 /// The columns of the points summed for each node, each point with its share.
-fn on_nodes(
-    design: &Design<'_>,
-    rows: &Rows<'_>,
-    determined: &[usize],
-    share: impl Fn(usize) -> f64,
-) -> DMatrix<f64> {
+fn on_nodes(known: &Sensitivity<'_, '_>, rows: &Rows<'_>, share: impl Fn(usize) -> f64) -> DMatrix<f64> {
     let node_of_point = rows.node_of_points();
-    let mut summed = DMatrix::zeros(rows.points.rows(), determined.len());
-    design.blocks(&mut |points, of_points, columns| {
+    let mut summed = DMatrix::zeros(rows.points.rows(), known.width());
+    known.blocks(&mut |points, of_points, columns| {
         for point in points.filter(|&point| share(point) > 0.0) {
             let of_node = rows.points.rows_of(node_of_point[point]);
-            for (to, from) in of_node.zip(design.experiment.rows_of(point)) {
-                for (k, &j) in determined.iter().enumerate() {
-                    summed[(to, k)] += share(point) * columns[(from - of_points.start, j)];
+            for (to, from) in of_node.zip(known.design.experiment.rows_of(point)) {
+                for k in 0..known.width() {
+                    summed[(to, k)] += share(point) * columns[(from - of_points.start, k)];
                 }
             }
         }
@@ -196,14 +192,13 @@ fn on_nodes(
 /// Sums of the used rows of A for each node, and Σ W_i q_i a_i a_iᵀ over all used rows in units of the white variance of a node.
 /// `white`: W_i q_i of the rows that are looked at.
 fn sums(
-    design: &Design<'_>,
+    known: &Sensitivity<'_, '_>,
     rows: &Rows<'_>,
-    determined: &[usize],
     used: &[bool],
     white: &DVector<f64>,
 ) -> (DMatrix<f64>, DMatrix<f64>) {
-    let experiment = design.experiment;
-    let of_nodes = on_nodes(design, rows, determined, |point| f64::from(u8::from(used[point])));
+    let experiment = known.design.experiment;
+    let of_nodes = on_nodes(known, rows, |point| f64::from(u8::from(used[point])));
     let node_of_point = rows.node_of_points();
     let averaged: Vec<f64> =
         (0..rows.points.points.len()).map(|node| (rows.points_of(node).len() as f64).sqrt()).collect();
@@ -214,9 +209,9 @@ fn sums(
         }
     }
     experiment.unused_rows(used).for_each(|row| root[row] = 0.0);
-    let mut of_white = DMatrix::zeros(determined.len(), determined.len());
-    design.blocks(&mut |_, rows, columns| {
-        let mut chosen = columns.select_columns(determined);
+    let mut of_white = DMatrix::zeros(known.width(), known.width());
+    known.blocks(&mut |_, rows, columns| {
+        let mut chosen = columns.into_owned();
         for (k, row) in rows.enumerate() {
             chosen.row_mut(k).scale_mut(root[row]);
         }
@@ -267,13 +262,17 @@ fn of_display(
 }
 
 /// Π: a prior enters as a reading w x = w x₀ that errs by w u.
-fn prior_scores(design: &Design<'_>, fit: &Converged) -> DMatrix<f64> {
+fn prior_scores(known: &Sensitivity<'_, '_>, fit: &Converged) -> DMatrix<f64> {
     let determined = &fit.datum.determined;
-    let mut scores = DMatrix::zeros(determined.len(), determined.len());
-    for (prior, weight) in design.joint.priors.iter().zip(&fit.prior_weights) {
-        if let Some(k) = determined.iter().position(|j| *j == prior.parameter) {
-            scores[(k, k)] += (weight * weight * prior.u).powi(2);
-        }
+    let of_model = known.design.joint.priors.iter().zip(&fit.prior_weights);
+    let of_model = of_model.filter_map(|(prior, weight)| {
+        Some((determined.iter().position(|j| *j == prior.parameter)?, *weight, prior.u))
+    });
+    let of_numbers = known.numbers.iter().enumerate();
+    let of_numbers = of_numbers.map(|(k, number)| (determined.len() + k, number.weight, number.u_beforehand));
+    let mut scores = DMatrix::zeros(known.width(), known.width());
+    for (k, weight, u) in of_model.chain(of_numbers) {
+        scores[(k, k)] += (weight * weight * u).powi(2);
     }
     scores
 }

@@ -114,7 +114,7 @@ pub(crate) fn sums(design: &Design<'_>, passes: &Passes, fit: &Converged, used: 
 /// Covariance of the determined parameters from clusters.
 pub(crate) fn covariance(fit: &Converged, sums: &Sums, weights: &Weights) -> DMatrix<f64> {
     let cofactor = fit.solver.cofactor();
-    let classical = &cofactor * fit.sigma_mm.max(weights.reference_mm).powi(2);
+    let classical = &cofactor * fit.reading_mm(weights).powi(2);
     let clusters = (0..sums.scores.ncols()).filter(|&c| sums.scores.column(c).amax() > 0.0).count();
     if clusters < 2 {
         return classical;

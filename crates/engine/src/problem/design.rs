@@ -44,12 +44,19 @@ impl<'a> Design<'a> {
         columns
     }
 
-    /// Visits the columns block by block: points, rows, columns in these rows.
-    pub fn blocks(&self, visit: Visit<'_>) {
+    /// The points block by block, with their rows.
+    pub fn stretches(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         let count = self.experiment.points.len();
-        for start in (0..count).step_by(BLOCK) {
+        (0..count).step_by(BLOCK).map(move |start| {
             let points = start..(start + BLOCK).min(count);
             let rows = self.experiment.rows_of_points(&points);
+            (points, rows)
+        })
+    }
+
+    /// Visits the columns block by block: points, rows, columns in these rows.
+    pub fn blocks(&self, visit: Visit<'_>) {
+        for (points, rows) in self.stretches() {
             match &self.in_memory {
                 Some(all) => visit(points, rows.clone(), all.rows(rows.start, rows.len()).as_view()),
                 None => {
@@ -58,6 +65,16 @@ impl<'a> Design<'a> {
                 }
             }
         }
+    }
+
+    /// Aᵀ `changes` for the determined parameters.
+    pub fn on_columns(&self, determined: &[usize], changes: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut sums = DMatrix::zeros(determined.len(), changes.ncols());
+        self.blocks(&mut |_, rows, columns| {
+            let chosen = columns.select_columns(determined);
+            sums.gemm_tr(1.0, &chosen, &changes.rows(rows.start, rows.len()), 1.0);
+        });
+        sums
     }
 
     /// The design of the used points, reduced.

@@ -34,6 +34,9 @@ pub struct Experiment {
     first_row: Vec<usize>,
 }
 
+/// Shares of a shape number that a secant covers on each side: more than rounding, and less than leads to zero.
+const OF_SHAPE: [f64; 2] = [1e-4, 0.5];
+
 impl Experiment {
     /// Lays points out in rows, with the run of each; `setups` and `scene` are those of all runs.
     pub(super) fn laid_out(
@@ -158,6 +161,31 @@ impl Experiment {
         let mut columns = DMatrix::zeros(self.rows(), instance.parameters(&self.scene).len());
         self.add_columns(&[(instance, shape)], 0..self.points.len(), &mut columns);
         columns
+    }
+
+    /// What one shape number of an effect changes in its readings, to first order in its `values` (inside units): mm per unit of it, a secant
+    /// over ± `u`, half of it at most: it is a time, a length, a count of cycles, and above zero.
+    pub fn change_with_shape(
+        &self,
+        instance: &Instance,
+        shape: &[f64],
+        at: usize,
+        u: f64,
+        values: &DVector<f64>,
+    ) -> DVector<f64> {
+        let [least, most] = OF_SHAPE.map(|share| share * shape[at].abs());
+        let step = u.clamp(least, most);
+        let [mut less, mut more] = [shape.to_vec(), shape.to_vec()];
+        (less[at], more[at]) = (shape[at] - step, shape[at] + step);
+        let mut change = DVector::zeros(self.rows());
+        for i in 0..self.points.len() {
+            let rows = self.rows_of(i);
+            let mut columns = DMatrix::zeros(rows.len(), 2 * values.len());
+            self.add_columns(&[(instance, &more), (instance, &less)], i..i + 1, &mut columns);
+            let of_point = columns.columns(0, values.len()) - columns.columns(values.len(), values.len());
+            change.rows_mut(rows.start, rows.len()).gemv(0.5 / step, &of_point, values, 0.0);
+        }
+        change
     }
 
     /// What the instrument of a point sees of a small displacement of the tool against the table, machine axes: rows its

@@ -12,7 +12,7 @@ use rand_distr::{Distribution, StandardNormal};
 use trunnion_core::axis::iso::{B, C};
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Setup, State};
 use trunnion_cycles::Run;
-use trunnion_effects::Model;
+use trunnion_effects::{Model, ModelEffect};
 use trunnion_engine::fit::Options;
 use trunnion_engine::{Experiment, HeldOut, Uncertainties, identify};
 use trunnion_machine::shipped;
@@ -194,4 +194,38 @@ fn the_parts_of_the_noise_come_out_as_drawn() {
     }
     assert!((white.sqrt() / WHITE_MM - 1.0).abs() < 0.05, "white {} mm", white.sqrt());
     assert!((drift.sqrt() / SLOW.sigma_mm - 1.0).abs() < 0.3, "drift and offsets {} mm", drift.sqrt());
+}
+
+/// A spindle that grows by 12 µm while it is measured, with time constants from a third of the run to once and a half of it: the longer ones are
+/// not seen to their end, and what they leave open is part of the u of the growth.
+#[test]
+fn intervals_hold_a_growth_whose_time_constant_the_run_leaves_open() {
+    const GROWTH_MM: f64 = 12e-3;
+    let cycle = cycle();
+    let duration_s = STEP_S * cycle.points.len() as f64;
+    let mut model = Model::base("table-bc");
+    model.effects.push(ModelEffect { id: "spindle-growth".into(), ..ModelEffect::default() });
+    let options = Options { holdout: HeldOut::Skipped, ..Options::default() };
+    let mut pulls = [Vec::new(), Vec::new()];
+    for seed in 0..DRAWS as u64 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x70);
+        let tau_s = duration_s * rng.random_range(0.33..1.5);
+        let mut run = draw(&cycle, if seed % 2 == 0 { NONE } else { SLOW }, seed);
+        for point in &mut run.points {
+            let elapsed_s = point.state.time_s.expect("stamped");
+            // The nest in the spindle goes down with it, and the ball on the table is further up in it.
+            point.reading_mm[2] += GROWTH_MM * (1.0 - (-elapsed_s / tau_s).exp());
+        }
+        let fit = identify(&Experiment::new(&[run]).expect("points"), &model, &options).expect("a fit");
+        let growth = fit.parameter("growth").expect("of the model");
+        let grown = fit.effects.last().expect("spindle growth");
+        let tau_u = fit.shape_u(grown)[0].expect("found by the fit");
+        pulls[0].push((growth.value.unwrap() - GROWTH_MM) / growth.u.unwrap());
+        pulls[1].push((grown.shape[0] - tau_s) / tau_u);
+    }
+    for (name, pulls) in ["growth", "tau_s"].iter().zip(&pulls) {
+        let share = pulls.iter().filter(|pull| pull.abs() <= WIDE).count() as f64 / DRAWS as f64;
+        let rms = (pulls.iter().map(|pull| pull * pull).sum::<f64>() / DRAWS as f64).sqrt();
+        assert!(share > 0.95 - 4.0 * SPREAD && (0.6..1.25).contains(&rms), "{name}: {share}, rms pull {rms}");
+    }
 }
