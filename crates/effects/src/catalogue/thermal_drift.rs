@@ -23,7 +23,7 @@ pub(crate) static EFFECT: Effect = Effect {
         validity: "One change of heat at the beginning; needs time stamps.",
         typical: "5–30 µm, τ 10–120 min",
         explanation: "The machine grows while it warms up or cools down, and the tool wanders.",
-        cause: "Warm-up of spindle, drives and structure, or a change of the room or the coolant.",
+        cause: "Warm-up of spindle, drives and structure, or a change of the room or the coolant; with a time constant of a few minutes also a ball, nest or probe that settles after it was mounted.",
         seen_by: "Returning to the first pose, interleaved heights, waiting and repeating.",
         needs: &[Need::TimeStamps],
         helps: &[Need::Return],
