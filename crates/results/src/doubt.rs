@@ -1,6 +1,6 @@
 //! Numbers of a fit that a person should doubt, and why.
 
-use crate::number::{plain, um, with_unit};
+use crate::number::{plain, um, value_and_u, with_unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_core::number::signed;
@@ -31,6 +31,8 @@ pub enum DoubtReason {
     BeyondPhysical,
     /// A time constant longer than the longest run.
     LongerThanRun,
+    /// The readings do not separate the terms of an effect, each with a time constant of its own.
+    TermsNotSeparated,
     /// One direction is stated at every point of an axis that went both ways.
     OneDirection,
     /// Readings of one pose scatter more than those of a machining centre in order.
@@ -100,6 +102,18 @@ impl From<&engine::Doubt> for Doubt {
                     with_unit(longest_s.round(), "s")
                 ),
             ),
+            engine::DoubtReason::TermsNotSeparated { value, u, unit } => {
+                let (least_certain, shared) =
+                    doubt.names.split_first().map_or((names.as_str(), String::new()), |(first, rest)| {
+                        (first.as_str(), rest.join(", "))
+                    });
+                let (value, u) = value_and_u(Some(value), Some(u), unit.symbol);
+                let words = format!(
+                    "{least_certain} = {value} has u = {u}: these readings do not separate the terms of the effect. How {shared} share what \
+                     they make together is not known; only what they make together counts.",
+                );
+                (DoubtReason::TermsNotSeparated, words)
+            }
             engine::DoubtReason::OneDirection { joint, stated, contrary: [contrary, all] } => (
                 DoubtReason::OneDirection,
                 format!(

@@ -5,27 +5,31 @@
 //!   and the π_jk of those directions add up to more than ½ for two or more coefficients, these are collinear [Belsley 1980].
 //! - A parameter larger than its cause allows (`Limit`).
 //! - A time constant longer than the longest run: its course was never seen.
+//! - Terms of one effect, each with a time constant, of which one is so uncertain that its 95 % interval holds half of it: the terms imitate
+//!   each other, in steps that no linear covariance follows.
 //! - One stated direction of an axis that goes both ways: an approach from one side, or a column that was never filled in.
 //! - Readings at rest that scatter as no machining centre in order does: a wrong unit, or something loose.
 
 use crate::evidence::joined;
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification};
+use crate::fit::shape::CONDITION_INDEX;
 use crate::problem::steps::{self, OneDirection};
 use crate::solve::linear::Reduced;
 use crate::{Experiment, Status};
 use nalgebra::DMatrix;
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::statistics::upper_median;
+use trunnion_core::statistics::{COVERAGE_95, upper_median};
 use trunnion_cycles::RunKind;
 use trunnion_effects::{Instance, Limit, Model, Parameter, Role, Unit};
 
-/// η beyond which dependencies are moderate to strong [Belsley 1980 §3.2].
-const CONDITION_INDEX: f64 = 30.0;
 /// Share of the variance of a coefficient that says it is involved [Belsley 1980 §3.2].
 const VARIANCE_SHARE: f64 = 0.5;
 /// Relative singular value of a direction that the columns of settings do not have.
 const NO_DIRECTION: f64 = 1e-8;
+/// Share of a shape number beyond which its covariance, which is that of a straight line, does not reach
+/// ([`Experiment::change_with_shape`]).
+const HALF: f64 = 0.5;
 /// Repeatability of a reading at rest beyond which unit, ball and probes are doubted, µm. Four of it are the unidirectional repeatability of
 /// ISO 230-2: 10 µm, where machining centres are sold with 2 to 5. A judgement, tuned on no data.
 const SCATTER_UM: f64 = 2.5;
@@ -62,6 +66,15 @@ pub enum DoubtReason {
         tau_s: f64,
         /// The longest run, s.
         longest_s: f64,
+    },
+    /// The readings do not separate the terms of an effect, each with a shape number of its own.
+    TermsNotSeparated {
+        /// The least certain shape number, the first of the names.
+        value: f64,
+        /// Its standard uncertainty.
+        u: f64,
+        /// Unit of both.
+        unit: Unit,
     },
     /// One direction is stated at every point of an axis that went both ways.
     OneDirection {
@@ -119,6 +132,7 @@ pub(crate) fn doubts_of(
         }
     }
     found.extend(longer_than_run(experiment, effect));
+    found.extend(terms_not_separated(fit, effect, &of_effect));
     found
 }
 
@@ -203,6 +217,28 @@ fn longer_than_run(experiment: &Experiment, effect: &FittedEffect) -> Option<Dou
     let tau_s = values.into_iter().reduce(f64::max)?;
     let reason = DoubtReason::LongerThanRun { tau_s, longest_s };
     Some(Doubt { effect: Some(effect.id.clone()), names, reason })
+}
+
+/// Several terms that the readings do not separate.
+fn terms_not_separated(
+    fit: &Identification,
+    effect: &FittedEffect,
+    fitted: &[&FittedParameter],
+) -> Option<Doubt> {
+    let u = fit.shape_u(effect);
+    let found = (0..effect.shape.len()).filter_map(|k| Some((k, effect.shape[k], u[k]?)));
+    let found: Vec<(usize, f64, f64)> = found.collect();
+    let share = |(_, value, u): &(usize, f64, f64)| u / value.abs();
+    let least = found.iter().max_by(|a, b| share(a).total_cmp(&share(b)))?;
+    let is_open = found.len() > 1 && COVERAGE_95 * share(least) > HALF;
+    let &(k, value, u) = least;
+    let name = &effect.shape_names[k];
+    let shared = fitted.iter().filter(|p| p.status == Status::Identified).map(|p| p.name.clone());
+    is_open.then(|| Doubt {
+        effect: Some(effect.id.clone()),
+        names: std::iter::once(name.clone()).chain(shared).collect(),
+        reason: DoubtReason::TermsNotSeparated { value, u, unit: Unit::in_name(name) },
+    })
 }
 
 /// What a time constant shorter than the usual time from one reading to the next says: nothing is wrong with it.

@@ -3,7 +3,7 @@
 //!
 //! For one effect at a time, the others projected out: score(θ) = ‖Q_θᵀ z‖², Q_θ an orthonormal basis of the effect's columns
 //! at θ next to those of the others, z the readings without the small non-linear part. Effects take turns until nothing
-//! changes; continuous numbers are refined by golden section between neighbours of the grid, coordinate by coordinate.
+//! changes; continuous numbers are refined by golden section between neighbours of the grid, one after the other, several then together.
 //! Limits: long experiments are searched on every k-th point.
 
 use crate::fit::gauss_newton::converge;
@@ -31,6 +31,14 @@ const NO_DIRECTION: f64 = 1e-8;
 const NOTHING: f64 = 1e-3;
 const MOST_ROUNDS: usize = 4;
 const GOLDEN_STEPS: usize = 24;
+/// Condition index beyond which columns depend on each other [Belsley 1980 §3.2].
+pub(crate) const CONDITION_INDEX: f64 = 30.0;
+/// Steps of several numbers together, and the gain, as a share of what the effect explains, below which they stand.
+const MOST_STEPS: usize = 20;
+const STANDS: f64 = 1e-9;
+/// Damping to begin with, and its factor from step to step, as of the fit itself.
+const FIRST_DAMPING: f64 = 1e-2;
+const DAMPING_FACTOR: f64 = 3.162;
 
 /// Chooses every free shape in `joint`; true when there was one.
 pub(crate) fn search_shapes(
@@ -137,8 +145,96 @@ fn best_shape(
                 (shape[axis], reached) = (value, found);
             }
         }
+        if shape.len() > 1 {
+            let index = |shape: &[f64]| condition_index(&selected(experiment, &[(instance, shape)], rows));
+            let most = index(&shape).max(CONDITION_INDEX);
+            // Terms that have become one have values that mean nothing, large and opposite.
+            let score = |shape: &[f64]| if index(shape) <= most { score(shape) } else { f64::NEG_INFINITY };
+            let step = |shape: &[f64], damping: f64| {
+                step(experiment, instance, shape, rows, &others, &left, damping)
+            };
+            shape = together(shape, reached, &shapes.grid, step, score);
+        }
     }
     shape
+}
+
+/// Several numbers of one effect moved together: each found for itself depends on the others. `step`: a damped step from a shape.
+fn together(
+    mut shape: Vec<f64>,
+    mut reached: f64,
+    grid: &[Vec<f64>],
+    step: impl Fn(&[f64], f64) -> Option<DVector<f64>>,
+    score: impl Fn(&[f64]) -> f64,
+) -> Vec<f64> {
+    let range = |k: usize| {
+        let values = || grid.iter().map(|shape| shape[k]);
+        (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
+    };
+    let mut damping = FIRST_DAMPING;
+    for _ in 0..MOST_STEPS {
+        let Some(change) = step(&shape, damping) else { break };
+        let moved = |(k, change): (usize, &f64)| {
+            let (low, high) = range(k);
+            (shape[k] + change).clamp(low, high)
+        };
+        let tried: Vec<f64> = change.iter().enumerate().map(moved).collect();
+        let found = score(&tried);
+        if found <= reached {
+            damping *= DAMPING_FACTOR;
+            continue;
+        }
+        let is_last = found - reached < STANDS * found;
+        (shape, reached, damping) = (tried, found, damping / DAMPING_FACTOR);
+        if is_last {
+            break;
+        }
+    }
+    shape
+}
+
+/// s₁/s_n of columns scaled to unit length [Belsley 1980].
+fn condition_index(columns: &DMatrix<f64>) -> f64 {
+    let lengths: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
+    let kept: Vec<usize> = (0..lengths.len()).filter(|&k| lengths[k] > 0.0).collect();
+    let mut columns = columns.select_columns(&kept);
+    columns.column_iter_mut().zip(&kept).for_each(|(mut column, &k)| column.unscale_mut(lengths[k]));
+    let eigen = columns.tr_mul(&columns).symmetric_eigenvalues();
+    if eigen.is_empty() { 1.0 } else { (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt() }
+}
+
+/// A step of the shape numbers towards the least squares of readings, values fitted at each shape [Rust 2013]; the diagonal of the normal matrix is
+/// larger by `damping` [Marquardt 1963]. `left` has no part in the span of `others`.
+fn step(
+    experiment: &Experiment,
+    instance: &Instance,
+    shape: &[f64],
+    rows: &Rows<'_>,
+    others: &DMatrix<f64>,
+    left: &DVector<f64>,
+    damping: f64,
+) -> Option<DVector<f64>> {
+    let columns = selected(experiment, &[(instance, shape)], rows);
+    let off = |columns: DMatrix<f64>, basis: &DMatrix<f64>| &columns - basis * basis.tr_mul(&columns);
+    let own = off(columns, others);
+    let svd = own.svd(true, true);
+    let least = SURVIVES * svd.singular_values.max();
+    let values = svd.solve(left, least).ok()?;
+    let seen: Vec<usize> =
+        (0..svd.singular_values.len()).filter(|&k| svd.singular_values[k] > least).collect();
+    let own_basis = svd.u?.select_columns(&seen);
+    let residual = left - &own_basis * own_basis.tr_mul(left);
+    let change = |k: usize| {
+        let all = experiment.change_with_shape(instance, shape, k, 0.0, &values);
+        all.component_mul(&rows.weights.root).select_rows(&rows.list)
+    };
+    let changes = DMatrix::from_columns(&(0..shape.len()).map(change).collect::<Vec<_>>());
+    let changes = off(off(changes, others), &own_basis);
+    let mut normal = changes.tr_mul(&changes);
+    for k in 0..shape.len() {
+        normal[(k, k)] *= 1.0 + damping;
+    }
+    Some(normal.cholesky()?.solve(&changes.tr_mul(&residual)))
 }
 
 fn others(experiment: &Experiment, joint: &SideBySide, effect: usize, rows: &Rows<'_>) -> DMatrix<f64> {

@@ -14,6 +14,7 @@ use trunnion_core::{AxisValues, InstrumentKind, NestSide, Point, Setup, State};
 use trunnion_cycles::Run;
 use trunnion_effects::{Model, ModelEffect};
 use trunnion_engine::fit::Options;
+use trunnion_engine::fit::doubts::{Doubt, DoubtReason, doubts};
 use trunnion_engine::{Experiment, HeldOut, Uncertainties, identify};
 use trunnion_machine::shipped;
 
@@ -227,5 +228,31 @@ fn intervals_hold_a_growth_whose_time_constant_the_run_leaves_open() {
         let share = pulls.iter().filter(|pull| pull.abs() <= WIDE).count() as f64 / DRAWS as f64;
         let rms = (pulls.iter().map(|pull| pull * pull).sum::<f64>() / DRAWS as f64).sqrt();
         assert!(share > 0.95 - 4.0 * SPREAD && (0.6..1.25).contains(&rms), "{name}: {share}, rms pull {rms}");
+    }
+}
+
+/// One time constant leaves nothing for a second term to say: how the two share the drift hangs on chance, and is doubted. Two that are ten times
+/// apart, both seen, are two numbers.
+#[test]
+fn terms_of_a_drift_that_the_readings_do_not_separate_are_doubted() {
+    let cycle = cycle();
+    let mut model = Model::base("table-bc");
+    model.effects.push(ModelEffect { id: "thermal-drift".into(), ..ModelEffect::default() });
+    let doubted = |terms: &[(f64, f64)], seed: u64| {
+        let mut run = draw(&cycle, NONE, seed);
+        for point in &mut run.points {
+            let elapsed_s = point.state.time_s.expect("stamped");
+            let of_term = |(final_mm, tau_s): &(f64, f64)| final_mm * (1.0 - (-elapsed_s / tau_s).exp());
+            point.reading_mm[2] += terms.iter().map(of_term).sum::<f64>();
+        }
+        let experiment = Experiment::new(&[run]).expect("points");
+        let fit = identify(&experiment, &model, &Options::default()).expect("a fit");
+        let found = doubts(&experiment, &model, &fit);
+        let is_it = |doubt: &&Doubt| matches!(doubt.reason, DoubtReason::TermsNotSeparated { .. });
+        found.iter().find(is_it).is_some_and(|doubt| doubt.names.contains(&"z.2".to_string()))
+    };
+    for seed in 0..6 {
+        assert!(doubted(&[(12e-3, 250.0)], seed), "one time constant, seed {seed}");
+        assert!(!doubted(&[(40e-3, 40.0), (60e-3, 400.0)], seed), "two of them, seed {seed}");
     }
 }

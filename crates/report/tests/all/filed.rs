@@ -151,6 +151,7 @@ fn doubts_and_places_of_a_report_are_of_one_language() {
         Why::Collinear { condition_index: 41.0 },
         Why::BeyondPhysical { limit, unit: trunnion_effects::Unit::UM },
         Why::LongerThanRun { tau_s: 5046.0, longest_s: 1682.0 },
+        Why::TermsNotSeparated { value: 186.0, u: 86.0, unit: trunnion_effects::Unit::S },
         Why::OneDirection { joint: C, stated: 1.0, contrary: [3, 40] },
         Why::Scatter { noise_um: 4.0 },
     ];
