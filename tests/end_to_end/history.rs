@@ -35,6 +35,11 @@ fn a_machine_that_leans_is_alarmed_about_with_how_much_and_where() {
     }
     let words = unchanged["change"]["words"].to_string();
     assert!(words.contains("Nothing changed"), "{words}");
+    assert!(folder.path().join("day-5.history.jsonl").exists(), "it is kept next to its run");
+    let name = folder.path().display().to_string();
+    let (_, kept, error) = output(&["history", "--folder", &name, "--json"]);
+    assert_eq!(serde_json::from_str::<Value>(&kept).unwrap(), unchanged);
+    assert_eq!(error, "", "how far it is stands on a terminal alone");
 
     simulate(folder.path(), "day-6.mcap", 6, 75.0);
     let leaning = history(folder.path(), &[]);
@@ -142,8 +147,8 @@ fn what_cannot_be_read_is_listed_and_an_unknown_run_is_refused_with_those_there_
     assert!(!done && text.contains("torn") && text.contains("day-1"), "{text}");
     let (done, _, error) = output(&["history", "--folder", &name, "--since", "day-9"]);
     assert!(!done && error.contains("day-9") && error.contains("day-1"), "{error}");
-    let (done, _, error) = output(&["history", "other-machine", "--folder", &name]);
-    assert!(!done && error.contains("other-machine"), "{error}");
+    let (done, _, error) = output(&["history", "tabel-bc", "--folder", &name]);
+    assert!(!done && error.contains("tabel-bc") && error.contains("did you mean table-bc?"), "{error}");
 }
 
 #[test]

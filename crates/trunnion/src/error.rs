@@ -230,10 +230,12 @@ pub enum Error {
         why: String,
     },
     /// No recording for a history.
-    #[error("there is no recording of machine \"{machine}\" among these files")]
+    #[error("there is no recording of machine \"{machine}\" among these files; {allowed}")]
     NoRuns {
         /// As asked; empty when any would do.
         machine: String,
+        /// What they hold.
+        allowed: String,
     },
     /// A run that a history does not hold.
     #[error("there is no run \"{name}\" in this history; it holds {runs}")]

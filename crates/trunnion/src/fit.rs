@@ -3,7 +3,9 @@
 use crate::analysis::diagnosed;
 use crate::{Error, Experiment, Model};
 use std::sync::{Arc, OnceLock};
+use trunnion_effects as effects;
 use trunnion_effects::Instance;
+use trunnion_effects::catalogue::BASE;
 use trunnion_engine::fit::Options;
 use trunnion_engine::{BetweenRuns, Identification, IdentifyError, Problem, doubts, next_cycle};
 use trunnion_results as results;
@@ -48,12 +50,19 @@ impl Experiment {
     /// # Errors
     /// As [`Experiment::fit`].
     pub fn fit_within_reach(&self, model: &Model) -> Result<Fit, Error> {
+        self.fit(&self.within_reach(model).into())
+    }
+
+    /// The effects of the model that these runs can show, and those that every model has.
+    pub(crate) fn within_reach(&self, model: &Model) -> effects::Model {
         let mut reachable = model.entries().clone();
         reachable.effects.retain(|entry| {
-            Instance::from_model_effect(entry, self.machine())
-                .is_ok_and(|instance| !instance.parameters(&self.points().scene).is_empty())
+            let instance = Instance::from_model_effect(entry, self.machine());
+            // What the machine cannot have is refused by the fit, and not left out without a message.
+            let out_of_reach = instance.is_ok_and(|of| of.parameters(&self.points().scene).is_empty());
+            BASE.contains(&entry.id.as_str()) || !out_of_reach
         });
-        self.fit(&reachable.into())
+        reachable
     }
 }
 

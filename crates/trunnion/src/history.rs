@@ -3,18 +3,22 @@
 mod change;
 mod corrections;
 mod forecast;
+mod found;
+mod keeper;
 mod watch;
 
 pub use corrections::{corrections, enter_correction, entered};
 pub use forecast::{days, next_day, without};
+pub use found::{Filed, filed};
+pub use keeper::{Keeper, Working};
 
 use crate::{Diagnosed, Error, Model, moment};
+use found::{Found, diagnosed};
 use std::path::{Path, PathBuf};
-use trunnion_core::chain;
-use trunnion_results::sentences::{is_setting, not_plausible};
+use trunnion_core::{chain, names};
 use trunnion_results::{
-    Alarm, AlarmsNow, CorrectionEntered, Diagnosis, HistoryRun, MachineHistory, Parameter, RunChange,
-    RunFound, RunLine, Verdict,
+    Alarm, AlarmsNow, CorrectionEntered, Diagnosis, HistoryRun, MachineHistory, RunChange, RunFound, RunLine,
+    Verdict,
 };
 
 /// Which runs make a history.
@@ -38,51 +42,71 @@ struct Header {
     run: HistoryRun,
 }
 
+/// A run that can be compared.
+struct Comparable {
+    name: String,
+    files: Vec<PathBuf>,
+    /// Ids of the effects that were fitted.
+    effects: Vec<String>,
+    /// Where it was worked out just now.
+    diagnosed: Option<Diagnosed>,
+}
+
+/// What is asked of several runs, in words.
+const CHANGE: &str = "what changed";
+const FORECAST: &str = "the next day";
+
 /// The history of one machine from runs in any order, each with the recordings that hold it. A run that cannot be read or judged is
 /// listed with the reason.
 ///
 /// # Errors
 /// No recording of the machine, or no run called `since`.
-pub fn history(runs: &[Vec<PathBuf>], wanted: &Wanted) -> Result<MachineHistory, Error> {
+pub fn history(
+    runs: &[Vec<PathBuf>],
+    wanted: &Wanted,
+    keeper: &mut Keeper<'_>,
+) -> Result<MachineHistory, Error> {
     let mut headers: Vec<Header> = runs.iter().map(|files| header(files)).collect();
     headers.sort_by(|a, b| (a.run.began_s, &a.run.run).cmp(&(b.run.began_s, &b.run.run)));
     let newest = headers.iter().rev().map(|header| header.machine.clone()).find(|name| !name.is_empty());
     let machine = wanted.machine.clone().or(newest).unwrap_or_default();
+    if !headers.iter().any(|header| header.machine == machine) {
+        return Err(no_runs(machine, &headers));
+    }
     // What cannot be read has no machine; it is listed, lest it is missed.
     headers.retain(|header| header.machine == machine || header.machine.is_empty());
-    if !headers.iter().any(|header| header.machine == machine) {
-        return Err(Error::NoRuns { machine });
-    }
+    let since = index_of(&headers, wanted.since.as_deref())?;
+    let model = wanted.model.as_ref();
     let mut history = MachineHistory { machine, ..MachineHistory::default() };
-    let mut last_two: [Option<(String, Diagnosed)>; 2] = [None, None];
+    let mut last_two: [Option<Comparable>; 2] = [None, None];
     let mut recordings = Vec::new();
+    keeper.total = headers.len() + [CHANGE, FORECAST].len();
     for Header { files, run, .. } in headers {
-        let (run, diagnosed) = judged(&files, run, wanted.model.as_ref());
-        if let Some(diagnosed) = diagnosed {
-            last_two = [last_two[1].take(), Some((run.run.clone(), diagnosed))];
+        let (run, comparable) = judged(&files, run, model, keeper);
+        if comparable.is_some() {
+            last_two = [last_two[1].take(), comparable];
         }
         history.runs.push(run);
         recordings.push(files);
     }
-    if let [earlier, Some(later)] = &last_two {
-        history.effects = later.1.fit().model().effects().into_iter().map(str::to_owned).collect();
-        match earlier.as_ref().map(|earlier| (&earlier.0, change::change(earlier, later))) {
-            Some((_, Ok(change))) => history.change = Some(change),
+    let [earlier, later] = last_two;
+    history.effects = later.as_ref().map_or_else(Vec::new, |later| later.effects.clone());
+    if let Some([earlier, later]) = earlier.zip(later).map(<[Comparable; 2]>::from) {
+        let names = format!("{} and {}", earlier.name, later.name);
+        match change_of([earlier, later], model, keeper) {
+            Ok(change) => history.change = Some(change),
             // The list and its limits hold without it.
-            Some((from, Err(failure))) => {
-                history.why_no_change =
-                    format!("{from} and {} cannot be compared: {}.", later.0, chain(&failure));
+            Err(failure) => {
+                history.why_no_change = format!("{names} cannot be compared: {}.", chain(&failure))
             }
-            None => {}
         }
     }
-    let since = index_of(&history.runs, wanted.since.as_deref())?;
     watched(&mut history, since, &wanted.corrections);
     history.forecast = Some(match days(&history, since) {
         Ok(days) => {
             let of_days: Vec<Vec<PathBuf>> =
                 days.into_iter().map(|index| recordings[index].clone()).collect();
-            next_day(&of_days, wanted.model.as_ref())
+            next_day(&of_days, model, keeper)
         }
         Err(why_not) => without(why_not),
     });
@@ -190,19 +214,35 @@ pub fn newest_machine(runs: &[Vec<PathBuf>]) -> Option<String> {
         .map(|header| header.machine)
 }
 
+fn no_runs(machine: String, headers: &[Header]) -> Error {
+    let mut machines: Vec<&str> = headers.iter().map(|header| header.machine.as_str()).collect();
+    machines.sort_unstable();
+    machines.dedup();
+    machines.retain(|name| !name.is_empty());
+    let allowed = match machines.is_empty() {
+        true => "none of them can be read".into(),
+        false => format!("they are of {}", names::allowed(&machine, machines)),
+    };
+    Error::NoRuns { machine, allowed }
+}
+
 /// Index of the run of this name; of the first without one.
-fn index_of(runs: &[HistoryRun], name: Option<&str>) -> Result<usize, Error> {
+fn index_of(headers: &[Header], name: Option<&str>) -> Result<usize, Error> {
     let Some(name) = name else { return Ok(0) };
-    runs.iter().position(|run| run.run == name).ok_or_else(|| Error::NoSuchRun {
-        name: name.into(),
-        runs: runs.iter().map(|run| run.run.as_str()).collect::<Vec<_>>().join(", "),
-    })
+    let runs = || headers.iter().map(|header| header.run.run.as_str());
+    let unknown = || Error::NoSuchRun { name: name.into(), runs: names::allowed(name, runs()) };
+    runs().position(|run| run == name).ok_or_else(unknown)
+}
+
+/// Name of the run that these recordings hold.
+fn name_of(files: &[PathBuf]) -> String {
+    let stem = files.first().and_then(|path| path.file_stem());
+    stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
 fn header(files: &[PathBuf]) -> Header {
     let path = files.first().map_or(Path::new(""), PathBuf::as_path);
-    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let run = HistoryRun { run: name, ..HistoryRun::default() };
+    let run = HistoryRun { run: name_of(files), ..HistoryRun::default() };
     match trunnion_record::read_header(path) {
         Ok(header) => Header {
             files: files.into(),
@@ -225,41 +265,47 @@ fn header(files: &[PathBuf]) -> Header {
 ///
 /// # Errors
 /// A recording that cannot be read or fitted; a diagnosis that fails.
-pub fn changed([earlier, later]: &[Vec<PathBuf>; 2], model: &Model) -> Result<RunChange, Error> {
-    let of = |files: &Vec<PathBuf>| Ok::<_, Error>((header(files).run.run, diagnosed(files, Some(model))?));
-    change::change(&of(earlier)?, &of(later)?)
+pub fn changed(runs: [Vec<PathBuf>; 2], model: &Model, keeper: &mut Keeper<'_>) -> Result<RunChange, Error> {
+    let runs =
+        runs.map(|files| Comparable { name: name_of(&files), files, effects: Vec::new(), diagnosed: None });
+    change_of(runs, Some(model), keeper)
 }
 
-/// A run with what was found in it, and the analysis where it can be compared with others.
-fn judged(files: &[PathBuf], run: HistoryRun, model: Option<&Model>) -> (HistoryRun, Option<Diagnosed>) {
+fn change_of(
+    runs: [Comparable; 2],
+    model: Option<&Model>,
+    keeper: &mut Keeper<'_>,
+) -> Result<RunChange, Error> {
+    let files = runs.each_ref().map(|run| run.files.clone());
+    keeper.answer(("change", CHANGE), &files, model, || {
+        let [earlier, later] = runs.map(|Comparable { name, files, diagnosed: known, .. }| {
+            Ok::<_, Error>((name, known.map_or_else(|| diagnosed(&files, model), Ok)?))
+        });
+        change::change(&earlier?, &later?)
+    })
+}
+
+/// A run with what was found in it, and with the analysis where it can be compared with others.
+fn judged(
+    files: &[PathBuf],
+    run: HistoryRun,
+    model: Option<&Model>,
+    keeper: &mut Keeper<'_>,
+) -> (HistoryRun, Option<Comparable>) {
     if !run.trouble.is_empty() {
+        keeper.done += 1;
         return (run, None);
     }
-    match diagnosed(files, model) {
-        Ok(diagnosed) => {
-            let (fit, diagnosis) = (diagnosed.fit().results(), diagnosed.results());
-            let judged = diagnosis.verdict != Verdict::NotJudged;
-            let of_machine =
-                |p: &&Parameter| judged && p.value.is_some() && p.u.is_some() && !is_setting(&p.effect);
-            let run = HistoryRun {
-                verdict: diagnosis.verdict,
-                candidate: Diagnosis::named_in_short(&diagnosis.named()),
-                rms_um: Some(fit.rms_um).filter(|_| judged),
-                temperature_degc: diagnosed.fit().experiment().temperature_degc(),
-                values: fit.parameters.iter().filter(of_machine).cloned().collect(),
-                trouble: not_plausible(&fit.plausibility),
-                losses: diagnosed.fit().experiment().losses(),
-                ..run
-            };
-            (run, Some(diagnosed).filter(|_| judged))
+    let mut worked_out = None;
+    let found = found::found(files, &run.run, model, keeper, &mut worked_out);
+    match found {
+        Ok(Found { effects, run: found }) => {
+            let (name, files) = (run.run.clone(), files.to_vec());
+            let comparable = Comparable { name, files, effects, diagnosed: worked_out };
+            let run = HistoryRun { run: run.run, began_s: run.began_s, began: run.began, ..found };
+            let is_judged = run.rms_um.is_some();
+            (run, is_judged.then_some(comparable))
         }
         Err(failure) => (HistoryRun { trouble: failure.to_string(), ..run }, None),
     }
-}
-
-fn diagnosed(files: &[PathBuf], model: Option<&Model>) -> Result<Diagnosed, Error> {
-    let experiment = crate::open_runs(&[files.to_vec()])?;
-    let base = experiment.base_model();
-    let fit = experiment.fit_within_reach(model.unwrap_or(&base))?;
-    Diagnosed::without_plan(&fit)
 }

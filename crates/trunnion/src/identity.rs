@@ -35,15 +35,24 @@ pub(crate) fn of_run(path: &Path, run: &Run) -> Result<RunIdentity, Error> {
 }
 
 /// Hexadecimal SHA-256 of a file.
-fn sha256(path: &Path) -> Result<String, Error> {
+pub(crate) fn sha256(path: &Path) -> Result<String, Error> {
     let mut file = File::open(path).map_err(Error::read(path))?;
     let (mut digest, mut chunk) = (Sha256::new(), vec![0; CHUNK]);
     loop {
         match file.read(&mut chunk).map_err(Error::read(path))? {
-            0 => return Ok(digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()),
+            0 => return Ok(hexadecimal(digest)),
             read => digest.update(&chunk[..read]),
         }
     }
+}
+
+/// The same of what is in memory.
+pub(crate) fn sha256_of(bytes: &[u8]) -> String {
+    hexadecimal(Sha256::new().chain_update(bytes))
+}
+
+fn hexadecimal(digest: Sha256) -> String {
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn setup(setup: &Setup) -> String {

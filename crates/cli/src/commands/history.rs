@@ -1,5 +1,6 @@
 //! `trunnion history`: the runs of one machine.
 
+use super::progress_bar::ProgressBar;
 use crate::load::ModelArgs;
 use crate::outcome::Outcome;
 use crate::{load, terminal};
@@ -7,16 +8,19 @@ use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 use trunnion::Model;
 use trunnion::gaps::Missing;
-use trunnion::history::{Wanted, corrections, enter_correction, entered, history, newest_machine};
+use trunnion::history::{
+    Keeper, Wanted, Working, corrections, enter_correction, entered, history, newest_machine,
+};
 use trunnion::results::HistoryRun;
-use trunnion_core::Clock;
+use trunnion_core::{Clock, chain};
 use trunnion_service::clock::SystemClock;
 use trunnion_service::run_record::{self, Known};
 
 /// Runs of one machine in order of time: what changed since the last run, and which effect
 ///
 /// Every run is fitted with the same model. Control limits come from the machine's own earlier runs. An unchanged machine gives
-/// at most one false alarm in a year of daily runs, over all values together (docs/use/history.md).
+/// at most one false alarm in a year of daily runs, over all values together (docs/use/history.md). What was worked out of a run is kept
+/// next to it (`NAME.history.jsonl`) for the next time.
 ///
 /// Example: trunnion history --folder /var/lib/trunnion --model machine.model.toml
 ///
@@ -75,7 +79,17 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         since: args.since.clone(),
         corrections: corrections(&args.folder)?,
     };
-    let answer = history(&runs, &wanted)?;
+    let mut bar = ProgressBar::new(false);
+    let shows = |working: Working<'_>| bar.show_of(working.what, working.done, working.total);
+    let mut keeper = Keeper::new(shows);
+    let answer = history(&runs, &wanted, &mut keeper);
+    let not_kept = keeper.not_kept().map(|failure| chain(failure));
+    drop(keeper);
+    bar.clear();
+    let answer = answer?;
+    if let Some(failure) = not_kept {
+        terminal::remark(&format!("what was worked out is not kept for the next time: {failure}"));
+    }
     if args.json {
         terminal::print_json(&answer)?;
     } else {

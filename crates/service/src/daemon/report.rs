@@ -7,7 +7,7 @@ use crate::{kept_story, run_record};
 use std::path::{Path, PathBuf};
 use tracing::{info, warn};
 use trunnion::results::{RunAnswer, RunResult, Verdict, to_json};
-use trunnion::{Analysed, Compared, Experiment, Model, Notation};
+use trunnion::{Analysed, Compared, Experiment, Model, Notation, history};
 use trunnion_core::chain;
 
 /// Analyses a recording as `replay` would: from the file alone.
@@ -64,6 +64,7 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
     let failed = |source| ServiceError::Analysis { path: recording.into(), source: Box::new(source) };
     let state = run_record::read(recording).unwrap_or_default();
     let files = run_record::files(recording, &state);
+    let filed = history::filed(&files, model);
     let experiment = opened(files.clone()).map_err(failed)?;
     let model = model.map_or_else(|| experiment.base_model(), Model::clone);
     let analysed = experiment.analyse(&model, date).map_err(failed)?;
@@ -82,6 +83,9 @@ pub fn write_report(recording: &Path, model: Option<&Model>, date: &str) -> Resu
     // It saves an analysis, no more.
     if let Err(failure) = kept_story::write(recording, &story) {
         warn!("the story is not kept: {}; the page analyses again", chain(&failure));
+    }
+    if let Err(failure) = filed.keep(analysed.first()) {
+        warn!("the run is not kept for its history: {}; the history analyses again", chain(&failure));
     }
     let quality = compared.results().time_quality.last().cloned();
     let answer = RunAnswer { result: in_short(recording, &analysed), quality };

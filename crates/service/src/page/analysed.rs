@@ -8,11 +8,12 @@ use std::collections::VecDeque;
 use std::io::{BufRead, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
-use trunnion::history::{changed, next_day};
+use trunnion::history::{Keeper, changed, next_day};
 use trunnion::page::label;
 use trunnion::report::{Language, findings_html, report_html};
 use trunnion::results::{RunFound, sentences, to_json_line};
 use trunnion::{Compared, Filing, FormulaText, MethodOptions, Model};
+use trunnion_core::chain;
 
 /// Analysed runs that are kept; a run of 10 000 points needs some 30 MB.
 const MOST_OPEN: usize = 4;
@@ -91,6 +92,13 @@ fn run_files(recording: &Path) -> Vec<PathBuf> {
     run_record::files(recording, &run_record::read(recording).unwrap_or_default())
 }
 
+/// It saves fits, no more.
+fn say_not_kept(keeper: &Keeper<'_>) {
+    if let Some(failure) = keeper.not_kept() {
+        tracing::warn!("what was worked out for the history is not kept: {}", chain(failure));
+    }
+}
+
 impl Open {
     /// A run that a person may act on.
     fn trusted(&self) -> Result<&Self, NoAnswer> {
@@ -131,11 +139,17 @@ impl Open {
             Asks::Linear => to_json_line(&diagnosed.linear()?),
             Asks::Change { earlier } => {
                 let files = [earlier, &self.recording].map(|path| run_files(path));
-                to_json_line(&changed(&files, fit.model())?)
+                let mut keeper = Keeper::default();
+                let change = changed(files, fit.model(), &mut keeper)?;
+                say_not_kept(&keeper);
+                to_json_line(&change)
             }
             Asks::NextDay { recordings } => {
                 let runs: Vec<_> = recordings.iter().map(|path| run_files(path)).collect();
-                to_json_line(&next_day(&runs, Some(fit.model())))
+                let mut keeper = Keeper::default();
+                let forecast = next_day(&runs, Some(fit.model()), &mut keeper);
+                say_not_kept(&keeper);
+                to_json_line(&forecast)
             }
             Asks::Methods => to_json_line(&fit.experiment().methods()),
             Asks::Report => Ok(compared.page()),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 use trunnion::Model;
 use trunnion::cycles::{Cycle, Run};
+use trunnion::history::{Keeper, Wanted, history};
 use trunnion::results::{RunRecord, RunState, Serves};
 use trunnion_core::{Channel, Role};
 use trunnion_record::{RunHeader, write_run};
@@ -97,6 +98,12 @@ async fn the_story_of_the_service_is_shown_without_a_second_analysis_until_somet
     warm.points.iter_mut().for_each(|point| point.state.temperature_degc = vec![20.5]);
     let recording = record(&folder.path().join("run.mcap"), warm);
     write_report(&recording, None, "2026-11-23").unwrap();
+    // The history of the command line takes what the service found.
+    let mut worked_out = 0;
+    let mut keeper = Keeper::new(|_| worked_out += 1);
+    let history = history(&[vec![recording.clone()]], &Wanted::default(), &mut keeper).unwrap();
+    drop(keeper);
+    assert_eq!((history.runs[0].temperature_degc, worked_out), (Some(20.5), 0));
     // Whoever asks for an analysis gets none.
     let runs =
         Runs::of_folder(folder.path(), None, script(program.path(), "exit 1", Duration::from_secs(60)));

@@ -4,6 +4,7 @@
 //! A forecast is checked before it is given: the days before the last predict the last, which took no part in their fit.
 //! Limits: as long as nobody changes the machine. A season that no day of these belongs to is not in it.
 
+use super::Keeper;
 use crate::{Error, Experiment, Fit, Model, identity, open_runs};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -69,8 +70,10 @@ pub fn without(why_not: String) -> DayForecast {
 
 /// The forecast from these runs, one a day and oldest first, each with the recordings that hold it; the base model without a model. A
 /// forecast that fails is none, with the reason.
-pub fn next_day(runs: &[Vec<PathBuf>], model: Option<&Model>) -> DayForecast {
-    forecast(runs, model).unwrap_or_else(|error| without(format!("it failed: {}", chain(&error))))
+pub fn next_day(runs: &[Vec<PathBuf>], model: Option<&Model>, keeper: &mut Keeper<'_>) -> DayForecast {
+    keeper
+        .answer(("forecast", super::FORECAST), runs, model, || forecast(runs, model))
+        .unwrap_or_else(|error| without(format!("it failed: {}", chain(&error))))
 }
 
 fn forecast(runs: &[Vec<PathBuf>], model: Option<&Model>) -> Result<DayForecast, Error> {

@@ -3,7 +3,7 @@
 use crate::mistakes::{Files, READINGS};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
-use trunnion::history::changed;
+use trunnion::history::{Keeper, changed};
 
 /// The points of a run, written into a folder of their own.
 fn written(files: &Files, folder: &Path, name: &str) -> Vec<PathBuf> {
@@ -31,7 +31,7 @@ fn a_run_that_only_scatters_more_is_not_said_to_differ_from_what_the_values_pred
         });
     }
     let later = written(&files, folder.path(), "later");
-    let change = changed(&[earlier, later], &model).unwrap();
+    let change = changed([earlier, later], &model, &mut Keeper::default()).unwrap();
     let words = change.words.join(" ");
     assert!(words.contains("No value changed significantly: values of its own fit"), "{words}");
     assert!(words.contains("The model leaves more") && !words.contains("differs"), "{words}");

@@ -1,13 +1,15 @@
 //! The next day is forecast from whole runs, and a forecast that fails says why.
 
 use std::path::{Path, PathBuf};
-use trunnion::history::next_day;
+use trunnion::history::{Keeper, next_day};
 use trunnion_core::{Point, State};
 
 const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-nothing-hidden/points.csv");
 
+const DAY_NS: i64 = 86_400_000_000_000;
+
 /// A run of the committed points in as many recordings as there are `parts`; days differ a little.
-fn run(folder: &Path, day: usize, parts: usize) -> Vec<PathBuf> {
+pub fn run(folder: &Path, day: usize, parts: usize) -> Vec<PathBuf> {
     let run = trunnion::read(Path::new(DATA), None).unwrap().run;
     let name = format!("day-{day}");
     let mut recordings = Vec::new();
@@ -22,6 +24,7 @@ fn run(folder: &Path, day: usize, parts: usize) -> Vec<PathBuf> {
         let header = trunnion_record::RunHeader {
             setups: run.setups.clone(),
             cycle_text: String::new(),
+            wall_start_ns: day as i64 * DAY_NS,
             ..crate::header(&name, include_str!("../../../../config/cycles/demo-static.toml"))
         };
         let path = folder.join(format!("{name}-of-{parts}-{part}.mcap"));
@@ -37,7 +40,7 @@ fn every_part_of_a_run_counts() {
     let folder = tempfile::tempdir().unwrap();
     let mut days: Vec<Vec<PathBuf>> = (1..=4).map(|day| run(folder.path(), day, 1)).collect();
     days.push(run(folder.path(), 5, 2));
-    let forecast = next_day(&days, None);
+    let forecast = next_day(&days, None, &mut Keeper::default());
     assert_eq!(forecast.runs, ["day-1", "day-2", "day-3", "day-4", "day-5"], "{forecast:?}");
     let points = trunnion::open(DATA).unwrap().runs()[0].points.len();
     assert_eq!(forecast.checked.as_ref().map(|run| run.points), Some(points), "{forecast:?}");
@@ -46,7 +49,7 @@ fn every_part_of_a_run_counts() {
 #[test]
 fn a_forecast_that_fails_is_none_with_the_reason() {
     let gone: Vec<Vec<PathBuf>> = (1..=5).map(|day| vec![format!("gone/day-{day}.mcap").into()]).collect();
-    let forecast = next_day(&gone, None);
+    let forecast = next_day(&gone, None, &mut Keeper::default());
     assert!(
         forecast.why_not.contains("it failed: ") && forecast.why_not.contains("gone/day-5.mcap"),
         "{forecast:?}"

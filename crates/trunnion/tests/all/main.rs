@@ -9,6 +9,7 @@ mod conformity;
 mod examples;
 mod forecast;
 mod joined;
+mod kept;
 mod library;
 mod linear;
 mod lone_readings;
