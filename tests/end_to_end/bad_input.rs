@@ -182,7 +182,7 @@ fn a_broken_configuration_machine_and_model_are_refused_with_their_lines() {
     assert!(answer(&["import", &points, "--setup", &good_setup, "-o", &run]).status.success());
     let model = write(
         "model.toml",
-        "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"gravity-sag:Q\"\n",
+        "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"location-errors\"\n[[effect]]\nid = \"gravity-sag:Q\"\n",
     );
     check_refused(&["identify", &run, "--model", &model], &["gravity-sag:Q", "gravity-sag:B"]);
     let model =

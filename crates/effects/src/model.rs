@@ -35,6 +35,7 @@
 //! by = "Ada"
 //! ```
 
+use crate::catalogue::LOCATION_ERRORS;
 use crate::{FittedValues, Formula, LadderRow, ModelEffect, Moved, Prior, Removal};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table as Written, Value, value};
 use trunnion_core::input::{Document, Table};
@@ -175,6 +176,15 @@ fn read(document: &Document<'_>) -> Option<Model> {
     let effects: Vec<Option<ModelEffect>> = root.tables("effect").iter().map(read_effect).collect();
     let removed: Vec<Option<Removal>> = root.tables("removed").iter().map(Removal::read).collect();
     root.no_other_keys();
+    // Without them the other effects take their place, and a table of location errors would be empty.
+    if !effects.iter().flatten().any(|entry| entry.id == LOCATION_ERRORS) {
+        root.problem(
+            "effect",
+            format!("holds no {LOCATION_ERRORS}"),
+            format!("a model with id = \"{LOCATION_ERRORS}\", which every model has"),
+            "Put [[effect]] with this id before the others.",
+        );
+    }
     for (i, entry) in effects.iter().enumerate() {
         let Some(entry) = entry else { continue };
         if effects[..i].iter().flatten().any(|earlier| earlier.id == entry.id) {

@@ -125,5 +125,19 @@ fn every_problem_of_a_model_file_is_named_with_its_line() {
                 component = \"dx\"\n";
     let problems = Model::parse("m.toml", text).unwrap_err();
     let lines: Vec<_> = problems.0.iter().map(|p| p.line).collect();
-    assert_eq!(lines, [1, 5, 7, 8, 9], "{problems}");
+    assert_eq!(lines, [1, 3, 5, 7, 8, 9], "{problems}");
+}
+
+#[test]
+fn a_model_file_without_location_errors_is_refused_with_what_to_write() {
+    let text = "format = \"trunnion-model/1\"\nmachine = \"m\"\n";
+    let refused = |text: &str| Model::parse("m.toml", text).unwrap_err().to_string();
+    for said in [refused(text), refused(&format!("{text}[[effect]]\nid = \"ball-setting\"\n"))] {
+        assert!(
+            said.contains("effect holds no location-errors") && said.contains("Put [[effect]]"),
+            "{said}"
+        );
+    }
+    let alone = Model::parse("m.toml", &format!("{text}[[effect]]\nid = \"location-errors\"\n"));
+    assert!(alone.is_ok(), "expressions may take the place of a ball's setting");
 }
