@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use trunnion_core::Gap;
 
-fn data(file: &str) -> PathBuf {
+pub fn data(file: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/points-gravity")).join(file)
 }
 
 /// The committed points, their rows changed by a function of all of them, imported into a folder: the recording.
-fn imported(folder: &Path, change: impl FnOnce(&str, Vec<&str>) -> Vec<String>) -> String {
+pub fn imported(folder: &Path, change: impl FnOnce(&str, Vec<&str>) -> Vec<String>) -> String {
     let path = |name: &str| folder.join(name).display().to_string();
     let points = std::fs::read_to_string(data("points.csv")).unwrap();
     let (head, rows) = points.split_once('\n').unwrap();
@@ -106,7 +106,7 @@ fn no_output_takes_the_place_of_a_file_that_is_read() {
     check_refused(&["import", &points, "-o", &points], &["ends in .mcap", "points.mcap"]);
 }
 
-fn strings(args: &[&str]) -> Vec<String> {
+pub fn strings(args: &[&str]) -> Vec<String> {
     args.iter().map(|arg| arg.to_string()).collect()
 }
 

@@ -40,6 +40,7 @@ mod section;
 mod service_killed;
 mod setting_up;
 mod shop;
+mod slips;
 mod spindle;
 mod story;
 mod streams;

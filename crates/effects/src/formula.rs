@@ -19,7 +19,7 @@ pub use expression::{Expression, Function, Node, Operator};
 use crate::{Emit, ModelEffect, Parameter, Scene, Shapes, Unit};
 use nalgebra::Vector3;
 use symbol::{Symbol, symbol};
-use trunnion_core::{Joint, State, Twist};
+use trunnion_core::{Joint, State, Twist, names};
 use trunnion_machine::{Machine, Site};
 
 /// A formula effect.
@@ -119,7 +119,7 @@ impl Formula {
             Symbol::Time if !scene.has_time() => Some("needs time stamps, for t".into()),
             Symbol::Temperature(channel) if !scene.channels.iter().any(|c| c == channel) => {
                 let known = scene.channels.iter().map(String::as_str);
-                let meant = trunnion_core::names::nearest(channel, known)
+                let meant = names::nearest(channel, known)
                     .map_or(String::new(), |near| format!("; did you mean T_{near}?"));
                 let names: Vec<String> = scene.channels.iter().map(|c| format!("T_{c}")).collect();
                 let known = if names.is_empty() { "none".into() } else { names.join(" ") };
@@ -190,12 +190,9 @@ fn site(text: &str, machine: &Machine) -> Result<Site, FormulaError> {
         ("spindle", _) => Ok(Site::SpindleBall),
         ("reading", _) => Ok(Site::Reading),
         _ => {
-            let axes: Vec<_> = machine.axes().map(|a| format!("axis:{}", a.letter)).collect();
-            Err(wrong(
-                "site",
-                &format!("\"{text}\""),
-                &format!("{}, ball, spindle, reading", axes.join(", ")),
-            ))
+            let axes = machine.axes().map(|a| format!("axis:{}", a.letter));
+            let others = ["ball", "spindle", "reading"].map(String::from);
+            Err(wrong("site", &format!("\"{text}\""), &names::allowed(text, axes.chain(others))))
         }
     }
 }
@@ -204,8 +201,8 @@ fn component(text: &str, site: Site) -> Result<Component, FormulaError> {
     let turns = matches!(site, Site::Joint(_));
     let allowed = &COMPONENTS[..if turns { 6 } else { 3 }];
     allowed.iter().find(|(name, _)| *name == text).map(|(_, c)| *c).ok_or_else(|| {
-        let names: Vec<_> = allowed.iter().map(|(name, _)| *name).collect();
-        wrong("component", &format!("\"{text}\""), &names.join(", "))
+        let names = allowed.iter().map(|(name, _)| *name);
+        wrong("component", &format!("\"{text}\""), &names::allowed(text, names))
     })
 }
 
@@ -258,7 +255,9 @@ fn grid(
         let allowed = if all.is_empty() {
             "no grid, every parameter is fitted".into()
         } else {
-            format!("the non-linear parameters ({all})")
+            let meant = names::nearest(name, nonlinear.iter().map(String::as_str));
+            let meant = meant.map_or(String::new(), |near| format!("; did you mean {near}?"));
+            format!("the non-linear parameters ({all}){meant}")
         };
         return Err(wrong("grid", &format!("for \"{name}\""), &allowed));
     }

@@ -5,6 +5,7 @@ use crate::damage::Damage;
 use crate::error::RecordError;
 use crate::item::{Item, RunHeader, Temperature};
 use crate::journal::{CONFIG_TEXT, CYCLE_TEXT, FINISHED_METADATA, MACHINE_TEXT};
+use crate::near::with_nearest;
 use crate::wire::{Decoded, POINT_SCHEMA, SAMPLE_SCHEMAS, decode};
 use std::collections::HashMap;
 use std::fs::File;
@@ -240,7 +241,8 @@ fn walk_items(
     wanted: &dyn Fn(&str) -> bool,
     on_decoded: OnDecoded<'_>,
 ) -> Result<(RunHeader, Option<Damage>), RecordError> {
-    let file = File::open(path).map_err(RecordError::io("open", path))?;
+    let file =
+        File::open(path).map_err(|source| RecordError::io("open", path)(with_nearest(path, source)))?;
     let bytes = file.metadata().map_err(RecordError::io("look at", path))?.len();
     let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
     let mut texts = Texts::new();

@@ -1,6 +1,6 @@
 //! Effects put into a model and taken out of it, with what that does to the error.
 
-use trunnion_core::convert;
+use trunnion_core::{convert, names};
 use trunnion_effects::catalogue::{BASE, LOCATION_ERRORS};
 use trunnion_effects::{Formula, LadderRow, Model, ModelEffect, Moved};
 use trunnion_engine::{
@@ -127,7 +127,7 @@ pub(crate) fn remove(
     let Some(at) = model.effects.iter().position(|entry| entry.id == id) else {
         let added: Vec<&str> =
             model.effects.iter().map(|e| e.id.as_str()).filter(|id| !BASE.contains(id)).collect();
-        let held = if added.is_empty() { "nothing that was added".into() } else { added.join(", ") };
+        let held = if added.is_empty() { "nothing that was added".into() } else { names::allowed(id, added) };
         return Err(AnalysisError::NotInModel { id: id.into(), held });
     };
     let act = model.effects[at].added_as();

@@ -6,7 +6,7 @@ use trunnion_core::Problems;
 use trunnion_cycles::VisitError;
 use trunnion_engine::next_cycle::PlanError;
 use trunnion_engine::{DiagnoseError, ExperimentError, IdentifyError};
-use trunnion_record::RecordError;
+use trunnion_record::{RecordError, with_nearest};
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
@@ -282,7 +282,7 @@ impl Error {
     /// Reading `path` failed.
     pub(crate) fn read(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
-        move |source| Self::Read { path, source }
+        move |source| Self::Read { source: with_nearest(&path, source), path }
     }
 
     /// Writing `path` failed.

@@ -36,6 +36,7 @@ use super::disturbance::Disturbance;
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use trunnion_core::names;
 use trunnion_machine::Machine;
 
 /// Raw rms of an effect of `sigma` = 1 over the readings of the cycle in which it is seen, mm [docs/design/physics.md §9: 4–8 µm].
@@ -95,7 +96,7 @@ pub struct HiddenChoice {
 #[derive(Debug, thiserror::Error)]
 pub enum UnknownHidden {
     /// The id is in no registry line.
-    #[error("hidden physics \"{id}\" is not known; allowed: {}", .allowed.join(", "))]
+    #[error("hidden physics \"{id}\" is not known; allowed: {}", names::allowed(id, allowed))]
     NoSuchId {
         /// As asked.
         id: String,

@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, value};
 use trunnion_core::convert::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
 use trunnion_core::input::{Document, Table};
-use trunnion_core::{InstrumentKind, Joint, Problems};
+use trunnion_core::{InstrumentKind, Joint, Problems, names};
 use trunnion_machine::JointErrors;
 
 const FORMAT: &str = "trunnion-truth/1";
@@ -226,7 +226,7 @@ fn read_hidden(table: &Table<'_>) -> Option<Hidden> {
     let found = id.and_then(|id| match hidden::find(&id) {
         Ok(found) => Some(found),
         Err(_) => {
-            table.problem("id", format!("= \"{id}\""), hidden::ids().join(", "), "");
+            table.problem("id", format!("= \"{id}\""), names::allowed(&id, hidden::ids()), "");
             None
         }
     });

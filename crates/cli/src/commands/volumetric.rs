@@ -1,6 +1,7 @@
 //! `trunnion volumetric`: how far tool and table are off all over a volume, by a fitted model.
 
 use crate::load::{ModelArgs, RunArgs};
+use crate::one_of::one_of;
 use crate::outcome::Outcome;
 use crate::{load, output, terminal};
 use std::path::PathBuf;
@@ -54,11 +55,7 @@ fn point(text: &str) -> Result<Point, String> {
 }
 
 fn datum(text: &str) -> Result<Datum, String> {
-    match text {
-        "fit" => Ok(Datum::BestFit),
-        "model" => Ok(Datum::Model),
-        _ => Err("allowed: fit, model".into()),
-    }
+    one_of(&[("fit", Datum::BestFit), ("model", Datum::Model)], text)
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {

@@ -4,6 +4,7 @@ use super::notes::Notes;
 use crate::column::Column;
 use crate::motion::Taken;
 use crate::rows::Cell;
+use trunnion_core::names::allowed;
 use trunnion_core::{AxisSample, Joint, Point, Quality, Setup, State, convert};
 
 /// Names of targets listed in a problem.
@@ -22,8 +23,8 @@ pub(super) fn read_row(
     let setup = setups.zip(setup_cell).and_then(|(setups, &(at, ref name))| {
         let setup = setups.iter().position(|setup| setup.name == *name);
         if setup.is_none() {
-            let names = setups.iter().map(|setup| setup.name.as_str()).collect::<Vec<_>>().join(", ");
-            notes.add(line, at, &format!("setup \"{name}\""), &names, "Each setup needs a [[setup]] table.");
+            let known = allowed(name, setups.iter().map(|setup| setup.name.as_str()));
+            notes.add(line, at, &format!("setup \"{name}\""), &known, "Each setup needs a [[setup]] table.");
         }
         setup
     });

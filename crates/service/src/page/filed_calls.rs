@@ -17,6 +17,7 @@ use trunnion::files::write_whole;
 use trunnion::report::Language;
 use trunnion::results::Filed;
 use trunnion_core::chain;
+use trunnion_core::names::allowed;
 
 /// Ending of the page next to its recording, as `trunnion report` calls it.
 const PAGE: &str = "report.html";
@@ -47,7 +48,7 @@ async fn file(State(page): State<Page>, Path(name): Path<String>, request: Reque
     let by = if by.trim().is_empty() { None } else { Some(person(&by, "who measured?")?) };
     let language = if language.is_empty() { Language::English.code().into() } else { language };
     if !Language::NAMES.iter().any(|(code, _)| *code == language) {
-        let known = Language::NAMES.map(|(code, _)| code).join(", ");
+        let known = allowed(&language, Language::NAMES.map(|(code, _)| code));
         return Err(Refusal::Wrong(format!("there is no language \"{language}\"; allowed: {known}")));
     }
     let date = day(page.shared.clock.wall_ns());
