@@ -41,13 +41,11 @@ pub use definition::{Bar, BarFrame, GridAxis, Motion, Pose, Rounds, Settle, Swee
 pub use path::{Line, Path};
 
 use crate::RunKind;
+use definition::OVERRUN_MM;
 use nalgebra::{Point3, Vector3};
 use trunnion_core::setup::Setup;
 use trunnion_core::{AxisValues, Joint};
 use trunnion_machine::{JointErrors, Machine};
-
-/// Overrun of a linear axis so that it comes from the side of its pass, mm.
-const OVERRUN_MM: f64 = 5.0;
 
 /// A cycle file, `format = "trunnion-cycle/1"`.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +75,7 @@ impl Cycle {
                 let position = self.dwell_at(machine, leg.setup, &station)?;
                 let mut direction = AxisValues::default();
                 for axis in self.grid(machine) {
-                    direction[axis.letter] = leg.pass;
+                    direction[axis.letter] = axis.overrun().map_or(0.0, |_| leg.pass);
                 }
                 poses.push(Pose { setup: leg.setup, target: station.target, position, direction });
             }

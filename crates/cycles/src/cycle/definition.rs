@@ -94,6 +94,11 @@ impl Default for Bar {
     }
 }
 
+/// Overrun of a linear axis so that it comes from the side of its pass, mm.
+pub(super) const OVERRUN_MM: f64 = 5.0;
+/// The same of a rotary axis, rad.
+const OVERRUN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+
 /// One axis of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GridAxis {
@@ -110,6 +115,15 @@ impl GridAxis {
     pub fn on(&self, machine: &Machine) -> Self {
         let letter = machine.joint(self.letter.as_str()).unwrap_or(self.letter);
         Self { letter, stations: self.stations.clone() }
+    }
+
+    /// How far a row begins beyond its first station, so that the axis comes from the side of its pass, mm or rad. `None` for a linear axis with one
+    /// station: it stays where ball and instrument came together, and a plate or an arm that measures in a plane leaves it no room.
+    pub(super) fn overrun(&self) -> Option<f64> {
+        match self.letter.is_rotary() {
+            true => Some(OVERRUN_RAD),
+            false => (self.stations.len() > 1).then_some(OVERRUN_MM),
+        }
     }
 }
 

@@ -4,12 +4,10 @@
 //! fly: points at a constant rate while the axis turns at its feed, the linear axes following. Moves take the time of the
 //! slowest axis at its feed limit; ramps and look-ahead of the controller are in the allowances of [`Pace`].
 
-use super::{Cycle, Leg, Motion, OVERRUN_MM};
+use super::{Cycle, Leg, Motion};
 use trunnion_core::{AxisValues, Joint, State, convert};
 use trunnion_machine::Machine;
 
-/// Overrun of a rotary axis so that it comes from the side of its pass, rad.
-pub(super) const OVERRUN_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Distance for differences along the path, rad.
 const NEAR_RAD: f64 = 5e-3;
 /// Curvature of the path that counts, mm or rad per rad².
@@ -258,21 +256,22 @@ impl Tour<'_> {
             {
                 self.at = Some(self.arrive(leg, Some(beyond))?);
             }
-            for axis in &grid {
-                let back = |last: &AxisValues<f64>| (asked[axis.letter] - last[axis.letter]) * leg.pass < 0.0;
+            let approached =
+                || grid.iter().filter_map(|axis| axis.overrun().map(|overrun| (axis.letter, overrun)));
+            for (letter, overrun) in approached() {
+                let back = |last: &AxisValues<f64>| (asked[letter] - last[letter]) * leg.pass < 0.0;
                 if before.as_ref().is_none_or(back) {
                     // Back to the beginning of a row, beyond it and forward again.
-                    let overrun = if axis.letter.is_rotary() { OVERRUN_RAD } else { OVERRUN_MM };
-                    row_began[axis.letter] = asked[axis.letter] - leg.pass * overrun;
-                    self.time_s += self.seconds(axis.letter, 2.0 * overrun);
+                    row_began[letter] = asked[letter] - leg.pass * overrun;
+                    self.time_s += self.seconds(letter, 2.0 * overrun);
                 }
             }
             let position = self.cycle.dwell_at(self.machine, leg.setup, &station);
             let mut state = self.arrive(leg, position)?;
             state.target = station.target;
-            for axis in &grid {
-                state.direction[axis.letter] = leg.pass;
-                state.since_reversal[axis.letter] = (asked[axis.letter] - row_began[axis.letter]).abs();
+            for (letter, _) in approached() {
+                state.direction[letter] = leg.pass;
+                state.since_reversal[letter] = (asked[letter] - row_began[letter]).abs();
             }
             let first = self.states.is_empty();
             // Time runs from the first reading.

@@ -6,9 +6,9 @@ use crate::section::{is_writing, write_or_compare};
 use crate::visited::visited;
 use proptest::prelude::*;
 use trunnion_core::{AxisValues, InstrumentKind, Joint, Setup, convert};
-use trunnion_cycles::CourseRules;
 use trunnion_cycles::Cycle;
 use trunnion_cycles::nc::{Block, DIALECTS, Program};
+use trunnion_cycles::{CourseRules, Step};
 use trunnion_machine::{JointErrors, Machine, shipped};
 
 const STATIC: &str = r#"
@@ -255,6 +255,22 @@ fn circles_cones_diagonals_and_grids_of_linear_axes_are_visited_too() {
         let cycle = Cycle::parse(name, &text).unwrap_or_else(|problems| panic!("{name}: {problems}\n{text}"));
         check(&cycle, &CourseRules::default());
     }
+}
+
+/// The joints of an arm turn in one plane, and between its ends there is no room to go below it.
+#[test]
+fn an_axis_with_one_station_stays_there_while_the_arm_is_in() {
+    let text = include_str!("../../../../config/cycles/passive-arm.toml");
+    let cycle = Cycle::parse("passive-arm.toml", text).unwrap();
+    let steps = cycle.course(&machine(&cycle), &CourseRules::default()).unwrap();
+    let pieces = steps
+        .iter()
+        .filter_map(|step| if let Step::Transfer { pieces } = step { Some(pieces) } else { None });
+    let heights: Vec<f64> = pieces.flatten().map(|(end, _)| end[Joint::Z]).collect();
+    assert!(heights.len() > 160 && heights.iter().all(|height| *height == 0.0), "{heights:?}");
+    // Approached from above where it came down: not from the side of the pass.
+    let poses = cycle.poses(&machine(&cycle)).unwrap();
+    assert!(poses.iter().all(|pose| pose.direction[Joint::Z] == 0.0 && pose.direction[Joint::X] == 1.0));
 }
 
 #[test]

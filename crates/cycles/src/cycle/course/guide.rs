@@ -2,8 +2,7 @@
 
 mod height;
 
-use super::super::OVERRUN_MM;
-use super::super::visit::{OVERRUN_RAD, Sweeping, VisitError};
+use super::super::visit::{Sweeping, VisitError};
 use super::super::{Cycle, Leg, Motion};
 use super::step::{CourseRules, Step};
 use crate::RunKind;
@@ -168,9 +167,10 @@ impl<'a> Guide<'a> {
             let mut beyond = line.filter(|_| before.is_none()).unwrap_or(station.asked);
             for axis in self.cycle.grid(self.machine) {
                 let letter = axis.letter;
-                if before.is_none_or(|last| (station.asked[letter] - last[letter]) * leg.pass < 0.0) {
-                    let overrun = if letter.is_rotary() { OVERRUN_RAD } else { OVERRUN_MM };
-                    beyond[letter] -= leg.pass * overrun;
+                let goes_back =
+                    |last: AxisValues<f64>| (station.asked[letter] - last[letter]) * leg.pass < 0.0;
+                if before.is_none_or(goes_back) {
+                    beyond[letter] -= leg.pass * axis.overrun().unwrap_or(0.0);
                 }
             }
             self.transfer(&Place::asked(beyond))?;
