@@ -6,6 +6,7 @@ pub(crate) mod feed;
 pub(crate) mod harmonics;
 pub(crate) mod over_height;
 pub(crate) mod relative;
+pub(crate) mod significance;
 pub(crate) mod stations;
 pub(crate) mod turning;
 

@@ -11,6 +11,7 @@
 //! chosen by its noise: an upper bound for all of them together stands in its place, range + q u(range), with the s² of all K, ν = Σ νₖ and 5 %/K in q.
 //! Limits: whole turn; what has more than N waves counts as noise.
 
+use super::significance::BY_CHANCE;
 use crate::findings::{Cell, Column, FoundTable, FoundValue};
 use nalgebra::{DMatrix, DVector, Vector2};
 use std::f64::consts::TAU;
@@ -20,8 +21,6 @@ use trunnion_engine::solve::linear::least_squares;
 
 /// Highest order: more waves than this a turn are rollers and gears, which the joint fit looks for.
 const HIGHEST: usize = 12;
-/// Chance that noise alone makes any of the harmonics significant, and that a true amplitude is above its upper bound.
-const BY_CHANCE: f64 = 0.05;
 /// Values a wave that show an order asked for: more than the two of Nyquist, which may both lie where the wave crosses zero.
 const VALUES_A_WAVE: usize = 3;
 /// A gap between angles wider than this share of a turn is no whole turn.
@@ -93,22 +92,13 @@ impl Harmonic {
 }
 
 impl Harmonics {
-    /// Of values over an angle (rad); `None` where they do not go around, or are too few.
-    pub fn of(points: &[(f64, f64)]) -> Option<Self> {
-        Self::fitted(points, &[], 1)
+    /// Of values over an angle (rad), one of so many contours that are judged together; `None` where they do not go around, or are too few.
+    pub fn among(points: &[(f64, f64)], contours: usize) -> Option<Self> {
+        Self::with(points, &[], contours)
     }
 
     /// The same with further orders, of those that so many values show.
-    pub fn with(points: &[(f64, f64)], further: &[usize]) -> Option<Self> {
-        Self::fitted(points, further, 1)
-    }
-
-    /// The same for one of so many contours that are judged together.
-    pub fn among(points: &[(f64, f64)], contours: usize) -> Option<Self> {
-        Self::fitted(points, &[], contours)
-    }
-
-    fn fitted(points: &[(f64, f64)], further: &[usize], contours: usize) -> Option<Self> {
+    pub fn with(points: &[(f64, f64)], further: &[usize], contours: usize) -> Option<Self> {
         let m = points.len();
         // As many degrees of freedom are left to the noise as the harmonics take.
         let highest = (m / 4).min(HIGHEST);
@@ -291,6 +281,10 @@ mod tests {
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
 
+    fn of(points: &[(f64, f64)]) -> Option<Harmonics> {
+        Harmonics::among(points, 1)
+    }
+
     fn noisy(steps: usize, sigma: f64, seed: u64, motion: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         let noise = Normal::new(0.0, sigma).unwrap();
@@ -300,7 +294,7 @@ mod tests {
 
     #[test]
     fn noise_alone_is_significant_as_seldom_as_promised() {
-        let found = |seed: u64| Harmonics::of(&noisy(36, 1.0, seed, |_| 0.0)).unwrap();
+        let found = |seed: u64| of(&noisy(36, 1.0, seed, |_| 0.0)).unwrap();
         let false_alarms = (0..2000).filter(|&seed| found(seed).range > 0.0).count();
         // 5 % of 2000, ± 3 standard deviations of a binomial.
         assert!((70..=130).contains(&false_alarms), "{false_alarms} of 2000");
@@ -337,7 +331,7 @@ mod tests {
     fn contours_that_are_alike_differ_as_seldom_as_promised() {
         // The second quieter, as noisy, and noisier than the first.
         for sigma in [1.0 / 3.0, 1.0, 3.0, 10.0] {
-            let found = |sigma: f64, seed: u64| Harmonics::of(&noisy(12, sigma, seed, |_| 0.0)).unwrap();
+            let found = |sigma: f64, seed: u64| of(&noisy(12, sigma, seed, |_| 0.0)).unwrap();
             let differ = |seed: &u64| !found(1.0, *seed).differs(&found(sigma, seed + 2000), 1).is_empty();
             let false_alarms = (0..2000).filter(differ).count();
             // 5 % of 2000 and 3 standard deviations of a binomial at most. Fewer, as the freedom is itself estimated [GUM G.4.1].
@@ -348,8 +342,8 @@ mod tests {
     #[test]
     fn a_wave_that_is_not_significant_is_below_the_upper_bound() {
         for (steps, amplitude) in [(12, 0.6), (36, 0.4)] {
-            let of = |seed| Harmonics::of(&noisy(steps, 1.0, seed, |a| amplitude * (2.0 * a).cos())).unwrap();
-            let all: Vec<Harmonics> = (0..1000).map(of).collect();
+            let drawn = |seed| of(&noisy(steps, 1.0, seed, |a| amplitude * (2.0 * a).cos())).unwrap();
+            let all: Vec<Harmonics> = (0..1000).map(drawn).collect();
             let bound = |of: &&Harmonics| of.order(2).unwrap().range_at_most(of.freedom) >= 2.0 * amplitude;
             let held = all.iter().filter(bound).count();
             assert!(held >= 950, "{held} of 1000 at {amplitude}");
@@ -365,9 +359,9 @@ mod tests {
     #[test]
     fn amplitude_and_range_have_no_bias_of_noise() {
         let motion = |angle: f64| 2.0 * (2.0 * angle - 0.7).cos() + (3.0 * angle).sin();
-        let exact = Harmonics::of(&noisy(72, 1e-12, 1, motion)).unwrap().range;
+        let exact = of(&noisy(72, 1e-12, 1, motion)).unwrap().range;
         let trials: Vec<Harmonics> =
-            (0..400).map(|seed| Harmonics::of(&noisy(72, 0.5, seed, motion)).unwrap()).collect();
+            (0..400).map(|seed| of(&noisy(72, 0.5, seed, motion)).unwrap()).collect();
         let mean = trials.iter().map(|t| t.range).sum::<f64>() / 400.0;
         let u_mean = trials.iter().map(|t| t.u_range).sum::<f64>() / 400.0;
         let scatter = (trials.iter().map(|t| (t.range - mean).powi(2)).sum::<f64>() / 399.0).sqrt();
@@ -384,6 +378,6 @@ mod tests {
     #[test]
     fn an_arc_has_no_harmonics() {
         let arc: Vec<(f64, f64)> = (0..60).map(|k| (0.05 * f64::from(k), 1.0)).collect();
-        assert_eq!(Harmonics::of(&arc), None);
+        assert_eq!(of(&arc), None);
     }
 }

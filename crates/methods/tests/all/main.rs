@@ -12,6 +12,7 @@ mod circular_rows;
 #[path = "../../../engine/tests/all/common.rs"]
 mod common;
 mod density;
+mod empty_runs;
 mod error_map;
 mod geometry;
 mod methods;

@@ -5,6 +5,7 @@
 
 use super::track::Axis;
 use crate::common::harmonics::{Harmonic, Harmonics};
+use crate::common::significance::is_significant;
 use trunnion_machine::Machine;
 
 /// Kinds of errors that the ball bar shows.
@@ -153,9 +154,9 @@ pub(super) fn of_motion(kind: ErrorKind, upright: bool, counts: Counts, harmonic
     if named.is_empty() { String::new() } else { format!("likely: {}", named.join("; ")) }
 }
 
-/// Likely cause of a number with its standard uncertainty; empty where it is not significant.
-pub(super) fn of_number(kind: ErrorKind, value: f64, u: f64) -> &'static str {
-    if value.abs() <= 2.0 * u {
+/// Likely cause of a number with its standard uncertainty, one of so many quantities that are judged together; empty where it is not significant.
+pub(super) fn of_number(kind: ErrorKind, value: f64, u: f64, quantities: usize) -> &'static str {
+    if !is_significant(value, u, quantities) {
         return "";
     }
     match kind {

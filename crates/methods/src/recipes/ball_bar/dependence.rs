@@ -1,6 +1,6 @@
 //! On what a wave of a trace depends: direction, feed, where the other rotary axes stand. Each rules causes in or out.
 //!
-//! The waves of two contours of one measurement are compared order by order [`Harmonics::differs`], at 5 % for all comparisons together.
+//! The waves of two contours of one measurement are compared order by order [`Harmonics::differs`], at 5 % for all quantities of the answer together.
 //! What changes with the direction or the feed is drive, friction or inertia and not the ring of a bearing; what changes with the tilt of the
 //! axis is gravity or what carries it [S4 table 2, §4.3].
 //! Limits: whole turns; what is not shown to depend may do so by less than its uncertainty.
@@ -25,8 +25,13 @@ pub(super) struct Dependence {
     pub words: String,
 }
 
-/// Every dependence that the traces show.
-pub(super) fn dependences(shapes: &[Shape]) -> Vec<Dependence> {
+/// How many comparisons there are.
+pub(super) fn count(shapes: &[Shape]) -> usize {
+    comparisons(shapes).len()
+}
+
+/// Every dependence that the traces show, each comparison one of so many quantities that are judged together.
+pub(super) fn dependences(shapes: &[Shape], quantities: usize) -> Vec<Dependence> {
     let mut found: Vec<Dependence> = Vec::new();
     let mut add = |shape: &Shape, differences: Vec<Difference>, words: &str| {
         let (Some(axis), Some(kind)) = (shape.kind.axis(), kind_of(shape.kind)) else { return };
@@ -48,9 +53,8 @@ pub(super) fn dependences(shapes: &[Shape]) -> Vec<Dependence> {
             }
         }
     };
-    let comparisons = comparisons(shapes);
-    for Comparison { shape, one, two, words } in &comparisons {
-        add(shape, one.differs(two, comparisons.len()), words);
+    for Comparison { shape, one, two, words } in &comparisons(shapes) {
+        add(shape, one.differs(two, quantities), words);
     }
     found
 }
@@ -67,7 +71,7 @@ fn comparisons(shapes: &[Shape]) -> Vec<Comparison<'_>> {
     let mut all = Vec::new();
     for (i, shape) in shapes.iter().enumerate().filter(|(_, shape)| kind_of(shape.kind).is_some()) {
         if let [(_, forward), (_, backward)] = &shape.contours[..]
-            && let (Some(one), Some(two)) = (Harmonics::of(forward), Harmonics::of(backward))
+            && let (Some(one), Some(two)) = (waves(forward), waves(backward))
         {
             let words = "changes with the direction: drive or friction".into();
             all.push(Comparison { shape, one, two, words });
@@ -89,8 +93,13 @@ fn compared<'a>(other: &Shape, shape: &'a Shape) -> Option<Comparison<'a>> {
         }
         _ => return None,
     };
-    let (one, two) = (Harmonics::of(&other.mean_contour)?, Harmonics::of(&shape.mean_contour)?);
+    let (one, two) = (waves(&other.mean_contour)?, waves(&shape.mean_contour)?);
     Some(Comparison { shape, one, two, words })
+}
+
+/// Of one contour, to be compared: by itself nothing of it is judged.
+fn waves(contour: &[(f64, f64)]) -> Option<Harmonics> {
+    Harmonics::among(contour, 1)
 }
 
 /// Whether a trace is compared with another one.

@@ -70,8 +70,8 @@ impl Row {
         }
     }
 
-    fn of_number(what: &str, kind: ErrorKind, value_mm: f64, u_mm: f64) -> Option<Self> {
-        let words = of_number(kind, value_mm, u_mm).trim_start_matches("likely: ");
+    fn of_number(what: &str, kind: ErrorKind, value_mm: f64, u_mm: f64, quantities: usize) -> Option<Self> {
+        let words = of_number(kind, value_mm, u_mm, quantities).trim_start_matches("likely: ");
         (!words.is_empty()).then(|| Self {
             what: what.into(),
             axis: None,
@@ -85,8 +85,13 @@ impl Row {
     }
 }
 
-/// The table; `None` where nothing is significant. `waves`: of all error motions.
-pub(super) fn ranked(found: &Found<'_>, waves: Vec<Row>, dependences: &[Dependence]) -> Option<FoundTable> {
+/// The table; `None` where nothing is significant. `waves`: of all error motions; `quantities`: how many are judged together.
+pub(super) fn ranked(
+    found: &Found<'_>,
+    waves: Vec<Row>,
+    dependences: &[Dependence],
+    quantities: usize,
+) -> Option<FoundTable> {
     let mut rows = waves;
     // What changes sign has no mean, so it is no wave of an error motion.
     let is_unnamed = |other: &&Dependence| {
@@ -97,11 +102,11 @@ pub(super) fn ranked(found: &Found<'_>, waves: Vec<Row>, dependences: &[Dependen
     rows.extend(alone);
     rows.extend(found.location.iter().filter_map(|location| {
         let lever = if location.unit == Unit::URAD { LEVER_MM } else { 1.0 };
-        Row::of_number(&location.name, location.kind, location.value * lever, location.u * lever)
+        Row::of_number(&location.name, location.kind, location.value * lever, location.u * lever, quantities)
     }));
     rows.extend(found.shapes.iter().filter_map(|shape| {
         let (half_mm, u_mm) = (0.5 * shape.reversal_mm?, shape.u_mean_mm);
-        Row::of_number(&format!("{} reversal", shape.label), ErrorKind::Reversal, half_mm, u_mm)
+        Row::of_number(&format!("{} reversal", shape.label), ErrorKind::Reversal, half_mm, u_mm, quantities)
     }));
     rows.sort_by(|a, b| b.amount_mm.total_cmp(&a.amount_mm));
     let all: f64 = rows.iter().map(|row| row.amount_mm.powi(2)).sum();

@@ -2,8 +2,8 @@
 
 use super::causes::{Counts, ErrorKind, causes, of_motion, of_number};
 use super::charts::charts;
-use super::dependence::{dependences, is_compared};
-use super::error_motions::error_motions;
+use super::dependence::{self, dependences, is_compared};
+use super::error_motions::{ErrorMotion, error_motions};
 use super::found::Found;
 use super::location::Location;
 use super::ranking::{Row, ranked};
@@ -19,14 +19,17 @@ use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 
 pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convention: Convention) -> Findings {
-    let mut values: Vec<FoundValue> = found.location.iter().map(|l| location(l, convention)).collect();
+    let motions: Vec<ErrorMotion> = found.axes.iter().flat_map(error_motions).collect();
+    let quantities = quantities(found, motions.len());
+    let of_location = |of: &Location| location(of, convention, quantities);
+    let mut values: Vec<FoundValue> = found.location.iter().map(of_location).collect();
     let mut of_motions = Vec::new();
-    let (dependences, mut waves) = (dependences(found.shapes), Vec::new());
+    let (dependences, mut waves) = (dependences(found.shapes, quantities), Vec::new());
     let counts = |axis: Axis| runs.first().map_or_else(Counts::default, |run| Counts::of(&run.machine, axis));
-    for motion in found.axes.iter().flat_map(error_motions) {
+    for motion in motions {
         let as_read = span(motion.points.iter().map(|(_, value)| *value));
         let counted = counts(motion.axis);
-        values.push(match Harmonics::with(&motion.points, &counted.orders()) {
+        values.push(match Harmonics::with(&motion.points, &counted.orders(), quantities) {
             Some(of) => {
                 let scale = motion.unit.per_inside;
                 let read = format!("as read {:.2} {}, noise included", as_read * scale, motion.unit.text());
@@ -48,7 +51,7 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
         let value =
             FoundValue::new(format!("{} circularity", shape.label), shape.circularity_mm, Unit::UM, None);
         let orders = shape.kind.axis().map_or_else(Vec::new, |axis| counts(axis).orders());
-        let around = Harmonics::with(&shape.mean_contour, &orders);
+        let around = Harmonics::with(&shape.mean_contour, &orders, quantities);
         let likely = match (shape.kind, &around) {
             (Kind::Across { axis, .. }, Some(of)) => {
                 of_motion(ErrorKind::Radial, axis.is_upright(), counts(axis), of)
@@ -65,11 +68,11 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
             // Half of the readings make each mean, all of them the one with u_mean.
             let u = 2.0 * shape.u_mean_mm;
             let value = FoundValue::new(format!("{} reversal", shape.label), reversal_mm, Unit::UM, Some(u));
-            let likely = of_number(ErrorKind::Reversal, reversal_mm, u);
+            let likely = of_number(ErrorKind::Reversal, reversal_mm, u, quantities);
             values.push(value.note(said(&["forward less backward", likely])));
         }
     }
-    let mut tables: Vec<FoundTable> = ranked(found, waves, &dependences).into_iter().collect();
+    let mut tables: Vec<FoundTable> = ranked(found, waves, &dependences, quantities).into_iter().collect();
     tables.push(measurements(found.shapes));
     tables.extend(harmonics::table(&of_motions));
     if !found.location.is_empty() {
@@ -93,10 +96,17 @@ fn said(words: &[&str]) -> String {
     words.iter().filter(|words| !words.is_empty()).copied().collect::<Vec<_>>().join("; ")
 }
 
-fn location(location: &Location, convention: Convention) -> FoundValue {
+/// Of how many something may be said to be significant, so that 5 % is the chance that noise makes any of them so: location errors, error motions,
+/// traces, steps with the direction, and what traces are compared in.
+fn quantities(found: &Found<'_>, motions: usize) -> usize {
+    let steps = found.shapes.iter().filter(|shape| shape.reversal_mm.is_some()).count();
+    found.location.len() + motions + found.shapes.len() + steps + dependence::count(found.shapes)
+}
+
+fn location(location: &Location, convention: Convention, quantities: usize) -> FoundValue {
     let value = location.shown(convention);
     let found = FoundValue::new(&*location.name, value, location.unit, Some(location.u));
-    let words = of_number(location.kind, location.value, location.u);
+    let words = of_number(location.kind, location.value, location.u, quantities);
     if location.unit == Unit::URAD {
         let per_100_mm = format!("{} µm/100 mm", signed(um_from_mm(value * 100.0), 1));
         found.note(said(&[&per_100_mm, words]))

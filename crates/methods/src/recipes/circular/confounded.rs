@@ -13,6 +13,7 @@
 use super::list::ListedKind;
 use super::solved::{CENTRING, TOLERANCE, widened};
 use super::trace::Trace;
+use crate::common::significance::is_significant;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use trunnion_core::statistics::COVERAGE_95;
@@ -21,8 +22,6 @@ use trunnion_effects::{Instance, Role, Subject, Unit};
 use trunnion_engine::Experiment;
 use trunnion_engine::solve::linear::least_squares;
 
-/// Chance that noise makes any of the causes significant.
-const BY_CHANCE: f64 = 0.05;
 /// Share of a column that is rounding: below the tolerance of the fit of the list.
 const ROUNDING: f64 = 1e-6;
 /// Share of a column that the list must leave for its amount to be determined. What the list and a cause share is the same to this: positions with
@@ -168,10 +167,9 @@ pub(super) fn others(
             }
         }
     }
-    let count = found.iter().filter(|other| other.seen.is_some()).count() as f64;
+    let count = found.iter().filter(|other| other.seen.is_some()).count();
     for seen in found.iter_mut().filter_map(|other| other.seen.as_mut()) {
-        let t = seen.amount / seen.u.max(f64::MIN_POSITIVE);
-        seen.significant = (-0.5 * t * t).exp() < BY_CHANCE / count;
+        seen.significant = is_significant(seen.amount, seen.u, count);
     }
     Ok(found)
 }

@@ -191,14 +191,17 @@ fn table(judged: &[Judged]) -> FoundTable {
 
 /// Of the mean contour of each signal in each direction.
 fn harmonics(judged: &[Judged]) -> Vec<(String, Unit, Harmonics)> {
-    let of_way = |(signal, (contour, way)): (&Judged, (&Option<Contour>, &str))| {
-        let found = Harmonics::of(&contour.as_ref()?.mean)?;
+    let ways: Vec<(&Judged, &Contour, &str)> = judged
+        .iter()
+        .flat_map(|signal| signal.ways.iter().zip(["forward", "back"]).map(move |way| (signal, way)))
+        .filter_map(|(signal, (contour, way))| Some((signal, contour.as_ref()?, way)))
+        .collect();
+    let of_way = |(signal, contour, way): &(&Judged, &Contour, &str)| {
+        // They stand in one table, so 5 % is the chance that noise makes any of them significant.
+        let found = Harmonics::among(&contour.mean, ways.len())?;
         Some((format!("{}, {way}", signal.title), signal.unit, found))
     };
-    let ways = judged
-        .iter()
-        .flat_map(|signal| signal.ways.iter().zip(["forward", "back"]).map(move |way| (signal, way)));
-    ways.filter_map(of_way).collect()
+    ways.iter().filter_map(of_way).collect()
 }
 
 fn charts(turning: &Turning, signal: &Judged) -> Vec<Chart> {

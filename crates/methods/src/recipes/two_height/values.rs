@@ -24,10 +24,14 @@ pub(super) fn findings(
     let mut values = location(turning, heights, &signs);
     values.extend(settings(turning, heights));
     let motions = error_motions(turning, heights, &signs);
-    values.extend(motions.iter().flat_map(of_motion));
-    let around =
-        |motion: &ErrorMotion| Some((motion.name.clone(), motion.unit, Harmonics::of(&motion.points)?));
-    let harmonics: Vec<_> = motions.iter().filter_map(around).collect();
+    // They are judged together, so 5 % is the chance that noise makes any of them significant.
+    let around = |motion: &ErrorMotion| Harmonics::among(&motion.points, motions.len());
+    let judged: Vec<(&ErrorMotion, Option<Harmonics>)> =
+        motions.iter().map(|motion| (motion, around(motion))).collect();
+    values.extend(judged.iter().flat_map(|(motion, of)| of_motion(motion, of.as_ref())));
+    let listed =
+        |(motion, of): (&ErrorMotion, Option<Harmonics>)| Some((motion.name.clone(), motion.unit, of?));
+    let harmonics: Vec<_> = judged.into_iter().filter_map(listed).collect();
     Findings {
         values,
         tables: std::iter::once(passes(turning, heights)).chain(harmonics::table(&harmonics)).collect(),
@@ -66,7 +70,7 @@ fn settings(turning: &Turning, heights: &Heights) -> Vec<FoundValue> {
 }
 
 /// Range and rms of an error motion: the range without the bias of noise where the axis goes around, else as read.
-fn of_motion(motion: &ErrorMotion) -> Vec<FoundValue> {
+fn of_motion(motion: &ErrorMotion, around: Option<&Harmonics>) -> Vec<FoundValue> {
     let ErrorMotion { name, unit, points, u } = motion;
     let numbers = || points.iter().map(|(_, value)| *value);
     let (low, high) = numbers().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -76,7 +80,7 @@ fn of_motion(motion: &ErrorMotion) -> Vec<FoundValue> {
     }
     let scale = unit.per_inside;
     let point = u.map_or(String::new(), |u| format!("; u of one angle {:.3} {}", u * scale, unit.text()));
-    let range = match Harmonics::of(points) {
+    let range = match around {
         Some(of) => {
             let value = of.range_value(name, *unit);
             let as_read = (high - low) * scale;
