@@ -3,7 +3,7 @@
 use crate::{AxisValues, Joint, Slot, State};
 
 /// Smallest travel that counts as motion, mm or rad.
-const STANDSTILL: f64 = 1e-6;
+pub const STANDSTILL: f64 = 1e-6;
 
 /// The travel of all axes so far, from point to point.
 #[derive(Clone, Debug, Default)]

@@ -222,7 +222,7 @@ fn read(
     if !notes.is_empty() {
         return Err(notes.finish());
     }
-    if let (Some(head), Some(Taken { point, actual, .. })) = (&head, motion.finish()) {
+    while let (Some(head), Some(Taken { point, actual, .. })) = (&head, motion.next()) {
         on_row(head, point, actual);
     }
     Ok(channels)

@@ -138,5 +138,6 @@ pub(super) fn wanted(columns: &[Option<Column>], known: Known<'_>) -> Wanted {
         since_reversal: !any(|column| matches!(column, Column::SinceReversal(_))),
         speeds: moves && !any(|column| matches!(column, Column::Speed(_))),
         accelerations: moves && !any(|column| matches!(column, Column::Acceleration(_))),
+        on_the_fly: moves,
     }
 }

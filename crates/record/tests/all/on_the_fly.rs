@@ -130,12 +130,73 @@ fn speeds_accelerations_and_directions_follow_from_the_positions() {
     };
     let (run, axes) = import(&format!("{HEADER}\n{}", (0..20).map(row).collect::<String>())).unwrap();
     assert!(axes.is_empty());
-    for (k, point) in run.points.iter().enumerate().skip(1).take(18) {
+    // At both ends too: the motion is a parabola.
+    for (k, point) in run.points.iter().enumerate() {
         let state = &point.state;
         assert!((state.velocity[Joint::C].to_degrees() - (10.0 + 0.2 * k as f64)).abs() < 1e-9, "{k}");
         assert!((state.acceleration[Joint::C].to_degrees() - 2.0).abs() < 1e-9, "{k}");
         assert_eq!((state.direction[Joint::C], state.direction[Joint::X]), (1.0, 0.0));
     }
+}
+
+/// X = 50 cos ωt and Y = 50 sin ωt, a circle: at the ends of the pass as good as inside, and each axis turns where it turns.
+#[test]
+fn a_circle_has_its_speeds_at_both_ends_and_its_directions_at_every_row() {
+    let (radius_mm, rad_per_s, step_s) = (50.0, 0.4, 0.1);
+    let angle = |k: usize| rad_per_s * (step_s * k as f64 + 1.03);
+    let row = |k: usize| {
+        let (sin, cos) = angle(k).sin_cos();
+        format!("low,{},{:.9},{:.9},0,0,0,1,2,3\n", step_s * k as f64, radius_mm * cos, radius_mm * sin)
+    };
+    let (run, _) = import(&format!("{HEADER}\n{}", (0..160).map(row).collect::<String>())).unwrap();
+    for (k, point) in run.points.iter().enumerate() {
+        let (sin, cos) = angle(k).sin_cos();
+        let state = &point.state;
+        for (joint, speed, acceleration, crest_mm) in [
+            (Joint::X, -rad_per_s * radius_mm * sin, -rad_per_s.powi(2) * radius_mm * cos, radius_mm * cos),
+            (Joint::Y, rad_per_s * radius_mm * cos, -rad_per_s.powi(2) * radius_mm * sin, radius_mm * sin),
+        ] {
+            // h²/3 of the third derivative at an end, h²/6 inside.
+            let of_third = rad_per_s.powi(3) * radius_mm * step_s * step_s;
+            assert!((state.velocity[joint] - speed).abs() < 0.34 * of_third, "{joint} {k}");
+            assert!(
+                (state.acceleration[joint] - acceleration).abs() < 1.01 * of_third / step_s,
+                "{joint} {k}"
+            );
+            assert_eq!(state.direction[joint], speed.signum(), "{joint} {k}");
+            // It turns at ± 50 mm, up to 8 µm beyond the last row before.
+            let first_mm = run.points[0].state.position[joint];
+            let turned_before =
+                run.points[..=k].iter().any(|other| other.state.direction[joint] != state.direction[joint]);
+            let since_mm = if turned_before {
+                radius_mm + crest_mm * speed.signum()
+            } else {
+                (state.position[joint] - first_mm).abs()
+            };
+            assert!(
+                (state.since_reversal[joint] - since_mm).abs() < 2e-4,
+                "{joint} {k}: {} {since_mm}",
+                state.since_reversal[joint]
+            );
+        }
+    }
+}
+
+/// There and back in two passes: at the first row back the axis goes back.
+#[test]
+fn a_pass_back_goes_back_from_its_first_row() {
+    let row = |k: usize| {
+        let (pass, at) = (k / 10, k % 10);
+        let time_s = 0.1 * at as f64 + 5.0 * pass as f64;
+        let degrees = if pass == 0 { at } else { 9 - at };
+        format!("low,{time_s},0,0,0,0,{degrees},1,2,3\n")
+    };
+    let (run, _) = import(&format!("{HEADER}\n{}", (0..20).map(row).collect::<String>())).unwrap();
+    let of = |of: fn(&State) -> f64| run.points.iter().map(|point| of(&point.state)).collect::<Vec<f64>>();
+    let directions = of(|state| state.direction[Joint::C]);
+    assert_eq!(directions, [[1.0; 10], [-1.0; 10]].concat());
+    let since_deg = of(|state| state.since_reversal[Joint::C].to_degrees().round());
+    assert_eq!(since_deg[10..], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
 }
 
 #[test]
