@@ -17,6 +17,7 @@ mod inertial_deflection;
 mod linear_scale;
 mod location_errors;
 mod nest_rotation;
+mod probe_crosstalk;
 mod probe_gain;
 mod probe_nonlinearity;
 mod radial_error_motion;
@@ -71,6 +72,7 @@ pub static REGISTRY: &[&Effect] = &[
     &probe_gain::EFFECT,
     &probe_nonlinearity::EFFECT,
     &nest_rotation::EFFECT,
+    &probe_crosstalk::EFFECT,
     &ball_form::EFFECT,
     &artefact_form::EFFECT,
     &vibration::EFFECT,

@@ -129,6 +129,7 @@ fn ids_that_model_files_hold_stay_in_the_catalogue() {
         "squareness:ZY",
         "sync-delay",
         "setup-slip",
+        "probe-crosstalk",
         "probe-gain",
         "probe-nonlinearity",
         "nest-rotation",

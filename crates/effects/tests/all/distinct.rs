@@ -1,7 +1,7 @@
 //! No effect is another one by a second name.
 
 use crate::scenes::{AT_ONE_POSE_FROM, machines, rich_states};
-use nalgebra::{DMatrix, Point3};
+use nalgebra::{DMatrix, Point3, Vector3};
 use trunnion_core::{AxisValues, Joint, State};
 use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{Instance, Scene, SceneSetup, r_test_reading};
@@ -65,6 +65,8 @@ fn rich_scene(machine: &Machine) -> (Scene, Vec<State>) {
         state.velocity = AxisValues::of(machine.joints(), |letter| way(letter) * speed(letter));
         state.acceleration =
             AxisValues::of(machine.joints(), |letter| speed(letter) * (share(letter, 3) - 0.5));
+        // Each probe by its own way: a share of its neighbour's is no gain of it then.
+        state.deflection_mm = Vector3::from(Joint::LINEAR.map(|letter| 0.2 * (share(letter, 5) - 0.5)));
         // Just after a reversal and long after it.
         let longest = |letter: Joint| if letter.is_rotary() { 0.3 } else { 10.0 };
         state.since_reversal =

@@ -102,6 +102,24 @@ fn gains_of_probes_are_named_by_their_differences() {
     assert!(differences.iter().any(|size| (300.0..450.0).contains(size)), "{:?}", gain.seen_together);
 }
 
+/// Cables or amplifiers that couple: without an effect of its own, a turn of the nest with a tilt and an unbalance.
+#[test]
+fn a_share_of_one_probe_in_another_is_named_with_its_size() {
+    for (into, of, share) in [(0, 1, 0.2), (2, 0, 0.1), (1, 2, 0.3)] {
+        let mut run = points_run("points-nothing-hidden");
+        run.points.iter_mut().for_each(|point| point.reading_mm[into] += share * point.reading_mm[of]);
+        let model = Model::base(&run.machine.name);
+        let found = diagnose(&Experiment::new(&[run]).unwrap(), &model, &Options::default()).unwrap();
+        assert_eq!(set(&found), ["probe-crosstalk"]);
+        for parameter in &found.candidates[0].parameters {
+            let name = format!("{}-of-{}", ["x", "y", "z"][into], ["x", "y", "z"][of]);
+            let truth = if parameter.name == name { 1000.0 * share } else { 0.0 };
+            let (value, u) = (parameter.value.unwrap(), parameter.u.unwrap());
+            assert!((value - truth).abs() < 4.0 * u && u < 10.0, "{name}: {} {value} ± {u}", parameter.name);
+        }
+    }
+}
+
 #[test]
 fn what_is_there_too_is_no_rival_and_numbers_are_doubted_before_they_are_added() {
     let second = diagnosed("points-backlash-and-drift", &["thermal-drift"]);

@@ -319,6 +319,7 @@ pub const ENTRIES: &[[&str; 3]] = &[
     ["Scale error of a linear axis ({})", "Maßstabsfehler einer Linearachse ({})", "直進軸のスケール誤差 ({})"],
     ["Location errors of the axis average lines ({})", "Lageabweichungen der mittleren Achslinien ({})", "軸平均線の位置誤差 ({})"],
     ["Nest turned against the axes ({})", "Gegen die Achsen verdrehtes Nest ({})", "ネストの軸に対する回転 ({})"],
+    ["Cross-talk between the probes ({})", "Übersprechen zwischen den Messtastern ({})", "変位計間のクロストーク ({})"],
     ["Gain of the probes ({})", "Verstärkung der Messtaster ({})", "変位計のゲイン ({})"],
     ["Non-linearity of the probes ({})", "Nichtlinearität der Messtaster ({})", "変位計の非線形性 ({})"],
     ["Radial error motion ({})", "Radialer Bewegungsfehler ({})", "半径方向の運動誤差 ({})"],
