@@ -36,7 +36,8 @@ pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     // Readings say nothing of their own where they are attached to wrong positions, or where a probe is dead.
     let belong = positions.is_empty() && channels.is_empty() && sizes.is_empty();
     let readings = if belong { readings::implausible(runs) } else { Vec::new() };
-    let order = order::implausible(runs, positions.is_empty());
+    // Of rows in another order than their readings the directions say nothing.
+    let order = order::implausible(runs, positions.is_empty() && readings.is_empty());
     let belong = belong && readings.is_empty() && order.is_empty();
     let ways = if belong { runs.iter().flat_map(ways::not_filled_in).collect() } else { Vec::new() };
     let temperatures = temperatures::implausible(runs);

@@ -12,8 +12,10 @@ use trunnion_machine::shipped;
 
 const CYCLE: &str = include_str!("../../../config/cycles/r-test-sweep-c.toml");
 /// Machines with a cycle at rest each; of a head, how much farther below its axes the ball is: a long tool.
-const AT_REST: [(&str, &str, f64); 4] = [
+const AT_REST: [(&str, &str, f64); 6] = [
     ("table-bc", include_str!("../../../config/cycles/r-test-static.toml"), 0.0),
+    ("table-bc", include_str!("../../../config/cycles/r-test-interleaved.toml"), 0.0),
+    ("table-bc", include_str!("../../../config/cycles/two-height-c-static.toml"), 0.0),
     ("head-a-table-c", include_str!("../../../config/cycles/r-test-head-a-table-c.toml"), 0.0),
     ("head-a-table-c", include_str!("../../../config/cycles/r-test-head-a-table-c.toml"), 150.0),
     ("head-bc", include_str!("../../../config/cycles/r-test-head-bc.toml"), 100.0),

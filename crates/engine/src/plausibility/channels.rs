@@ -6,6 +6,7 @@
 //! whatever their number [Rényi 1953]: P(L₁ − L₂ > x) = e^(−x/τ). L₂ is no smaller than τ and stands for it.
 //! Limits: a channel that is stuck in two stretches of like length passes; one that is stuck at a resting machine is not looked at.
 
+mod sorted;
 mod zeros;
 
 use super::found::{Implausible, plain};
@@ -43,6 +44,7 @@ fn of_run(run: &Run) -> Option<Implausible> {
             .or_else(|| channels.tied())
             .or_else(|| channels.zeros())
             .or_else(|| channels.clipped())
+            .or_else(|| channels.sorted())
     })
 }
 

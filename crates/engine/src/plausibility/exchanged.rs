@@ -4,6 +4,7 @@ mod at_a_point;
 mod axes;
 mod parts;
 mod physics;
+mod reordered;
 mod scaled;
 mod turning;
 mod unsettled;
@@ -46,7 +47,7 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     if before_um < gross_um || variation_um(run) < GROSS_UM {
         return None;
     }
-    let trial = Trial { run, experiment, model };
+    let trial = Trial { looked, run, experiment, model };
     let tried = trial.all(before_um >= GROSS_UM);
     let least_mm = tried.iter().map(|(_, left_mm)| *left_mm).fold(f64::INFINITY, f64::min);
     let (mistake, left_mm) = tried.into_iter().find(|(_, left_mm)| *left_mm <= AS_GOOD * least_mm)?;
@@ -72,7 +73,7 @@ pub(super) fn by_one_row(looked: &Looked) -> Option<Implausible> {
     }
     let repeated = repeatability(experiment, &passes(experiment))?;
     let before_mm = model.rms_mm(&experiment.readings_mm());
-    let tried = Trial { run, experiment, model }.late(None, "the readings", &[0, 1, 2], 1);
+    let tried = Trial { looked, run, experiment, model }.late(None, "the readings", &[0, 1, 2], 1);
     let (mistake, left_mm) = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     // The variance of so many repeats has the relative standard deviation √(2/ν) [normal distribution].
     let chance = SURE * (2.0 / repeated.degrees_of_freedom.max(1) as f64).sqrt();
@@ -109,6 +110,7 @@ fn variation_um(run: &Run) -> f64 {
 }
 
 struct Trial<'a> {
+    looked: &'a Looked<'a>,
     run: &'a Run,
     experiment: &'a Experiment,
     model: &'a Fitted,
@@ -175,6 +177,10 @@ impl Trial<'_> {
         // What a correction leaves of a lean of the tool differs with the length of the tool, so with the setup.
         if has_three && of_setups {
             tried.extend(self.of_parts());
+        }
+        // One channel says too little of an order.
+        if has_three {
+            tried.extend(self.reordered());
         }
         tried
     }

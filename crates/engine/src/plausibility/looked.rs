@@ -24,6 +24,8 @@ pub(super) struct Looked<'a> {
     /// All of it.
     pub whole: &'a Run,
     pub run: Run,
+    /// Which of them were kept of those that were looked at: of all good points where these are no more than [`MOST_POINTS`].
+    pub kept: Vec<bool>,
     pub experiment: Experiment,
     pub model: Fitted,
 }
@@ -47,7 +49,7 @@ impl<'a> Looked<'a> {
         let experiment = whole.kept(&kept);
         let looked_at = with_points(run, experiment.points.iter().collect());
         let model = Fitted::new(&experiment)?;
-        Some(Self { whole: run, run: looked_at, experiment, model })
+        Some(Self { whole: run, run: looked_at, kept, experiment, model })
     }
 }
 

@@ -28,7 +28,12 @@ const REVERSED_STEPS: usize = 5;
 pub(super) fn implausible(runs: &[Run], belong: bool) -> Vec<Implausible> {
     let of_run = |run: &Run| {
         let joints = if belong { run.machine.joints() } else { Vec::new() };
-        let directions = joints.into_iter().filter_map(|joint| against(run, joint));
+        let mut directions: Vec<Implausible> =
+            joints.into_iter().filter_map(|joint| against(run, joint)).collect();
+        if let [_, .., last] = &mut directions[..] {
+            last.hypothesis +=
+                " Where several axes go against their directions, the positions may stand in reversed order.";
+        }
         backward(run)
             .or_else(|| set_back(run))
             .into_iter()

@@ -38,7 +38,7 @@ pub(crate) fn passes(experiment: &Experiment) -> Passes {
 }
 
 /// Rotary axes that move, or all axes that move when none turns: fewest changes first.
-fn moving_axes(experiment: &Experiment) -> Vec<Joint> {
+pub(crate) fn moving_axes(experiment: &Experiment) -> Vec<Joint> {
     let changes = |letter: Joint| {
         let mut stood = experiment.points[0].state.position[letter];
         let moves = |point: &&Point| {

@@ -179,6 +179,21 @@ fn good_runs_raise_no_doubt() {
     }
 }
 
+/// A drift of two repeatabilities from row to row hides no pose: what depends on the pose comes back all the same.
+#[test]
+fn a_drift_through_the_whole_run_is_no_order_of_the_readings() {
+    let mut files = Files::committed("points-nothing-hidden");
+    for row in 0..files.rows.len() {
+        let drift_um = 0.6 * row as f64;
+        for name in READINGS {
+            let column = files.column(name);
+            files.rows[row][column] =
+                format!("{:.2}", files.rows[row][column].parse::<f64>().unwrap() + drift_um);
+        }
+    }
+    assert_eq!(files.open().check().plausibility, []);
+}
+
 #[test]
 fn what_is_not_plausible_is_not_judged_and_says_why_on_every_surface() {
     let mut files = Files::committed("points-gravity");

@@ -3,7 +3,34 @@
 use super::probes::{GRAVITY, NOTHING, ProbeMistake, turned};
 use super::{Files, READINGS};
 
+/// Everything that says where the axes stood and whence they came.
+const POSITIONS: [&str; 7] = ["x_mm", "y_mm", "z_mm", "b_deg", "c_deg", "direction_b", "direction_c"];
+
+/// Which rows of a table are sorted.
+#[derive(Clone, Copy, PartialEq)]
+enum Rows {
+    OfEachSetup,
+    All,
+}
+
 impl Files {
+    /// Some columns sorted by some, as a spreadsheet does it: rows that are equal keep their order.
+    fn sorted(&mut self, columns: &[&str], by: &[&str], which: Rows) {
+        let key = |row: usize| by.iter().map(|name| self.number(row, name)).collect::<Vec<f64>>();
+        let keys: Vec<Vec<f64>> = (0..self.rows.len()).map(key).collect();
+        let setup = |row: usize| if which == Rows::All { 0 } else { row / (self.rows.len() / 2) };
+        let mut order: Vec<usize> = (0..self.rows.len()).collect();
+        order.sort_by(|&a, &b| setup(a).cmp(&setup(b)).then(keys[a].partial_cmp(&keys[b]).unwrap()));
+        let given = self.rows.clone();
+        for name in columns {
+            let column = self.column(name);
+            self.rows
+                .iter_mut()
+                .zip(&order)
+                .for_each(|(row, &from)| row[column].clone_from(&given[from][column]));
+        }
+    }
+
     /// From a row on, the readings of a row some rows before.
     fn late_from(&mut self, from: usize, by: usize) {
         for name in READINGS {
@@ -51,7 +78,62 @@ impl Files {
     }
 }
 
-pub const ROWS: [ProbeMistake; 11] = [
+pub const ROWS: [ProbeMistake; 18] = [
+    (
+        "positions sorted by C and B, readings not",
+        GRAVITY,
+        |f| f.sorted(&POSITIONS, &["c_deg", "b_deg"], Rows::OfEachSetup),
+        &[
+            "in passes B rising, within it C rising, every second pass backwards",
+            "positions sorted without their readings",
+        ],
+    ),
+    (
+        "positions sorted by C alone, readings not",
+        NOTHING,
+        |f| f.sorted(&POSITIONS, &["c_deg"], Rows::OfEachSetup),
+        &["in passes B rising, within it C rising, every second pass backwards"],
+    ),
+    (
+        "setups and positions sorted by X, readings not",
+        NOTHING,
+        |f| f.sorted(&[&["setup"], &POSITIONS[..]].concat(), &["x_mm"], Rows::All),
+        &["in passes B rising, within it C rising, every second pass backwards"],
+    ),
+    (
+        "readings sorted by C, positions not",
+        GRAVITY,
+        |f| f.sorted(&READINGS, &["c_deg"], Rows::OfEachSetup),
+        &["in the order C rising (", "readings without their positions"],
+    ),
+    (
+        "readings sorted by one of them",
+        NOTHING,
+        |f| f.sorted(&READINGS, &["dx_um"], Rows::OfEachSetup),
+        &["the probe dx rises from row to row through all 168 points", "sorted without their positions"],
+    ),
+    (
+        "one column of readings sorted by itself",
+        GRAVITY,
+        |f| f.sorted(&["dy_um"], &["dy_um"], Rows::OfEachSetup),
+        &["the probe dy rises from row to row", "sorted without their positions"],
+    ),
+    (
+        "readings of one pass in reversed order",
+        NOTHING,
+        |f| {
+            let (of_setup, of_pass) = (f.rows.len() / 2, f.rows.len() / 4);
+            f.rows = [&f.rows[..of_pass], &f.rows[of_setup..of_setup + of_pass]].concat();
+            let given = f.rows.clone();
+            for (row, from) in given.iter().rev().enumerate() {
+                READINGS.iter().for_each(|name| {
+                    let column = f.column(name);
+                    f.rows[row][column].clone_from(&from[column]);
+                });
+            }
+        },
+        &["the readings in reversed order"],
+    ),
     (
         "read before the probes had settled",
         NOTHING,
