@@ -3,7 +3,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_core::{Point, Quality};
+use trunnion_core::{NestSide, Point, Quality, Setup};
 use trunnion_cycles::{Cycle, Pace, Run};
 use trunnion_engine::plausibility::implausible;
 use trunnion_hil_sim::physics::hidden::ids;
@@ -43,9 +43,13 @@ fn measured(
     let machine = shipped::machine(machine).unwrap();
     let mut cycle = Cycle::parse("cycle.toml", cycle).unwrap();
     cycle.setups.iter_mut().for_each(|setup| setup.ball_in_tool_mm.z -= below_axes_mm);
-    let of = |setup: &trunnion_core::Setup| SimSetup {
+    let nest = |setup: &Setup| match setup.nest {
+        NestSide::Table => NestOn::Table,
+        NestSide::Spindle => NestOn::Spindle,
+    };
+    let of = |setup: &Setup| SimSetup {
         ball_in_tool_mm: setup.ball_in_tool_mm,
-        ..SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::R_TEST)
+        ..SimSetup::new(setup.name.clone(), nest(setup), setup.ball_in_table_mm, Instrument::R_TEST)
     };
     let setups: Vec<SimSetup> = cycle.setups.iter().map(of).collect();
     let truth = Truth::draw(&machine, &setups, hidden, 60.0, seed).ok()?;
