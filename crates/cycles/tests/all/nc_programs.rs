@@ -263,10 +263,8 @@ fn an_axis_with_one_station_stays_there_while_the_arm_is_in() {
     let text = include_str!("../../../../config/cycles/passive-arm.toml");
     let cycle = Cycle::parse("passive-arm.toml", text).unwrap();
     let steps = cycle.course(&machine(&cycle), &CourseRules::default()).unwrap();
-    let pieces = steps
-        .iter()
-        .filter_map(|step| if let Step::Transfer { pieces } = step { Some(pieces) } else { None });
-    let heights: Vec<f64> = pieces.flatten().map(|(end, _)| end[Joint::Z]).collect();
+    let pieces = |step| if let Step::Transfer { pieces } = step { pieces } else { Vec::new() };
+    let heights: Vec<f64> = steps.into_iter().flat_map(pieces).map(|(end, _)| end[Joint::Z]).collect();
     assert!(heights.len() > 160 && heights.iter().all(|height| *height == 0.0), "{heights:?}");
     // Approached from above where it came down: not from the side of the pass.
     let poses = cycle.poses(&machine(&cycle)).unwrap();
