@@ -8,16 +8,20 @@ use crate::diagnosis::named::{first_named, named, price_ln};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::sparse::sparse_ln_odds;
-use crate::diagnosis::view::View;
+use crate::diagnosis::view::{View, What};
 use crate::diagnosis::views::{Seen, Views};
-use crate::evidence::joined;
+use crate::evidence::{joined, orthonormal};
 use crate::noise::learned::sigma::Sigma;
 use nalgebra::DMatrix;
+use std::f64::consts::TAU;
 use std::sync::Arc;
+use trunnion_effects::WaveNumber;
 
 /// A term beats the catalogue when it leads by more than this: what would suffice for a claim
 /// [docs/decisions/0002-thresholds-of-model-comparison.md].
 const CLEAR_LEAD_LN: f64 = 3.0;
+/// Share of the columns of a term that those of a name may lack, and hold it: what [`orthonormal`] leaves out.
+const SAME_COLUMNS: f64 = 1e-2;
 /// A named effect that fits as well as the term, up to this, is the plainer explanation of the same shape [ibid.].
 const SAME_FIT_LN: f64 = 3.0;
 /// Share of a term's gain at which a natural motion accounts for it.
@@ -60,11 +64,44 @@ fn best(
     if term.item.ln_odds <= sparse_ln_odds(scan, &best, Some(&term.noise)) + CLEAR_LEAD_LN {
         return Some(best);
     }
+    let is_claimed = |scored: &&Scored| scored.noticeable && scored.item.ln_odds > claim_ln;
+    if let Some(name) = named.iter().filter(is_claimed).find(|name| holds(scan, name, &term)) {
+        return Some(name.clone());
+    }
     let covers = |scored: &&Scored| scored.noticeable && scored.fit_ln > term.fit_ln - SAME_FIT_LN;
     if let Some(covering) = named.iter().find(covers) {
         return Some(covering.clone());
     }
     several_do_better(scan, views, view, named, taken, &term, claim_ln).or(Some(term))
+}
+
+/// Whether the term is the named effect with some of its parameters at zero: at one of its shapes the columns of the name hold those of the term.
+/// One of several temperatures, a wave along an axis.
+fn holds(scan: &Scan<'_>, name: &Scored, term: &Scored) -> bool {
+    let Some(group) = name.item.what.group() else { return false };
+    let named = &scan.named[group];
+    let of_wave = named.shapes.wave.and_then(|wave| Some(vec![repeats(scan, term, wave)?]));
+    let base = orthonormal(&scan.remainder.base);
+    let off = |columns: &DMatrix<f64>, basis: &DMatrix<f64>| columns - basis * basis.tr_mul(columns);
+    let of_term = off(&term.item.columns, &base);
+    let is_held = |shape: &Vec<f64>| {
+        scan.finite_columns_of(&named.instance, shape).is_some_and(|columns| {
+            let own = orthonormal(&off(&columns, &base));
+            off(&of_term, &own).norm() <= SAME_COLUMNS * of_term.norm()
+        })
+    };
+    named.shapes.grid.iter().chain([&name.item.shape]).chain(&of_wave).any(is_held)
+}
+
+/// The number of a wave along an axis that repeats as the term does.
+fn repeats(scan: &Scan<'_>, term: &Scored, wave: WaveNumber) -> Option<f64> {
+    let What::Open(open) = &term.item.what else { return None };
+    let numbers = &scan.vocabulary.families[open.family].numbers;
+    let of_name = |name: &str| Some(term.item.shape[numbers.iter().position(|number| number.name == name)?]);
+    match wave {
+        WaveNumber::Period(_) => of_name("per_mm").map(|rad_per_mm| TAU / rad_per_mm),
+        WaveNumber::Cycles(_) => of_name("cycles"),
+    }
 }
 
 /// ln odds on the grid that a term must come near to be looked at, at the learned and at the quiet noise: those of the best named effect.

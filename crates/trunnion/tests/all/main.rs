@@ -5,6 +5,7 @@
 mod adequate;
 mod alarms;
 mod changes;
+mod collinear_day;
 mod conformity;
 mod examples;
 mod forecast;
