@@ -150,6 +150,27 @@ impl Instance {
         (!missing.is_empty()).then(|| format!("needs {}", missing.join("; ")))
     }
 
+    /// What this scene lacks for a parameter that the effect had in another, in words; `None` where the parameter is here, where the whole
+    /// effect is out of reach, and where what the parameter acts on stays zero.
+    pub fn lacks(&self, scene: &Scene, parameter: &str) -> Option<String> {
+        let here = self.parameters(scene);
+        let known = here.iter().any(|own| own.name == parameter)
+            || self.shapes(scene).names.iter().any(|name| name == parameter);
+        let needs = self.about().map_or(&[][..], |about| about.needs);
+        if here.is_empty() || known || needs.iter().any(|need| need.is_acted_on()) {
+            return None;
+        }
+        if !needs.contains(&Need::Temperature) {
+            return Some(format!("has no {parameter} there: it needs more places of the axis"));
+        }
+        let channel = parameter.rsplit_once('.').map_or(parameter, |(channel, _)| channel);
+        let missing = !scene.channels.iter().any(|known| known == channel);
+        missing.then(|| {
+            let allowed = names::allowed(channel, &scene.channels);
+            format!("needs temperature channel \"{channel}\"; there are {allowed}")
+        })
+    }
+
     /// Grid of shape numbers in this scene.
     pub fn shapes(&self, scene: &Scene) -> Shapes {
         match self {

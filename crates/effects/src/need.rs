@@ -107,6 +107,11 @@ impl Need {
         }
     }
 
+    /// True for what an effect acts on: where one direction of it is zero, what acts on that is too.
+    pub(crate) fn is_acted_on(self) -> bool {
+        matches!(self, Self::Deflection | Self::DelayShows)
+    }
+
     /// Whether the data of a scene have it for this subject; `None` when the data do not show it.
     pub fn met(self, scene: &Scene, subject: Subject) -> Option<bool> {
         let of_axis = |test: &dyn Fn(Joint) -> bool| match subject {

@@ -220,6 +220,14 @@ pub enum Error {
         /// Its machine.
         found: String,
     },
+    /// Runs to predict without what a value of the model acts on.
+    #[error("{run} cannot be predicted: {lacks} Record that too, or fit a model without it")]
+    Lacks {
+        /// The runs.
+        run: String,
+        /// What is missing, with the values that act on it.
+        lacks: String,
+    },
     /// A model file without values to predict with.
     #[error(
         "the model file keeps no values of its effects: {why}; keep them with \

@@ -14,6 +14,7 @@ use crate::{Error, Experiment, Fit, Model};
 use nalgebra::{DMatrix, DVector};
 use std::path::Path;
 use trunnion_core::convert::{mm_from_um, um_from_mm};
+use trunnion_core::number::plain;
 use trunnion_core::statistics::COVERAGE_95;
 use trunnion_cycles::Run;
 use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, ModelEffect, Parameter};
@@ -31,7 +32,7 @@ impl Fit {
     /// runs is fitted.
     ///
     /// # Errors
-    /// Runs of another machine, or runs that an effect of the model is out of reach of.
+    /// Runs of another machine, runs that an effect of the model is out of reach of, or that lack what a value acts on.
     pub fn predict(&self, other: &Experiment) -> Result<results::Prediction, Error> {
         let machine = self.experiment().machine();
         if let Some(run) = other.runs().iter().find(|run| run.machine != *machine) {
@@ -89,6 +90,41 @@ fn within_reach(instance: &Instance, experiment: &trunnion_engine::Experiment) -
         return Err(IdentifyError::out_of_reach(instance, scene).into());
     }
     Ok(())
+}
+
+/// A value that acts in these runs on what they do not hold, the temperature of a sensor for example: without it the prediction is that of another
+/// model.
+fn has_what_is_kept(
+    entry: &ModelEffect,
+    values: &FittedValues,
+    instance: &Instance,
+    experiment: &trunnion_engine::Experiment,
+) -> Result<(), Error> {
+    if is_setting(&entry.id) {
+        return Ok(());
+    }
+    let of_entry = values.parameters.iter().filter(|value| value.effect == entry.id);
+    let fitted = of_entry.filter(|value| value.u.is_some() || value.value != 0.0);
+    let fitted = fitted.map(|value| (&value.name, with_unit(value.value, &value.unit)));
+    let by_hand = entry.fixed.iter().filter(|(_, value)| *value != 0.0);
+    let all: Vec<_> = fitted.chain(by_hand.map(|(name, value)| (name, plain(*value)))).collect();
+    let mut lacks: Vec<(String, Vec<String>)> = Vec::new();
+    for (name, value) in all {
+        let Some(why) = instance.lacks(&experiment.scene, name) else { continue };
+        let value = format!("{name} = {value}");
+        match lacks.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, values)) => values.push(value),
+            None => lacks.push((why, vec![value])),
+        }
+    }
+    if lacks.is_empty() {
+        return Ok(());
+    }
+    let sentence = |(why, values): &(String, Vec<String>)| {
+        format!("{} {why}. The model keeps {} of it.", entry.id, values.join(", "))
+    };
+    let lacks: Vec<String> = lacks.iter().map(sentence).collect();
+    Err(Error::Lacks { run: experiment.runs.join(", "), lacks: lacks.join(" ") })
 }
 
 fn other_machine(fitted: &str, run: &Run) -> Error {
@@ -229,6 +265,7 @@ impl<'v> Frozen<'v> {
             let instance =
                 Instance::from_model_effect(entry, experiment.machine()).map_err(IdentifyError::from)?;
             within_reach(&instance, experiment)?;
+            has_what_is_kept(entry, values, &instance, experiment)?;
             let fitted_shape = values.shapes.iter().find(|(id, _)| *id == entry.id).map(|(_, shape)| shape);
             let shape = fitted_shape.unwrap_or(&entry.shape).clone();
             let columns = experiment.columns(&instance, &shape);

@@ -5,6 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::path::{Path, PathBuf};
+use trunnion::history::{Keeper, changed as changed_to};
 use trunnion::results::DoubtReason;
 use trunnion::{Error, Experiment, Fit, Model};
 
@@ -22,6 +23,41 @@ fn a_run_that_does_not_move_an_axis_of_the_model_is_refused() {
     files.rows.retain(|row| row[b].parse::<f64>().unwrap() == 0.0);
     let error = trunnion::chain(&step.predict(&files.open()).unwrap_err());
     assert!(error.contains("gravity-sag:B is out of reach of these runs"), "{error}");
+}
+
+/// A sensor that stands still moves nothing; one that is not there may.
+#[test]
+fn a_run_without_a_temperature_that_carries_a_kept_value_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let days = Days { coefficients: [8.0, -3.0], between_um_per_k: 0.0, drift: (0.0, 1.0), white_um: 0.3 };
+    let (files, _) = days.write(folder.path(), 1);
+    let fit = fit(&files[..2]);
+    let kept = fit.model().with_values(&fit.values("2026-03-01")).unwrap();
+    let table = std::fs::read_to_string(&files[2]).unwrap();
+    let changed = |change: &dyn Fn(&str) -> String| {
+        std::fs::write(&files[2], table.lines().map(change).collect::<Vec<_>>().join("\n")).unwrap();
+        trunnion::open(&files[2]).unwrap()
+    };
+    let without = changed(&|line| line.rsplit_once(',').unwrap().0.into());
+    let refused = [kept.predict(&without).map(drop), kept.compare_frozen(&without).map(drop)];
+    for refused in refused.into_iter().chain([fit.predict(&without).map(drop)]) {
+        let error = trunnion::chain(&refused.unwrap_err());
+        assert!(
+            error.starts_with(
+                "day2 cannot be predicted: thermal-expansion needs temperature channel \"ambient\"; there are bed. The model keeps ambient.x = −"
+            ),
+            "{error}"
+        );
+        assert!(error.ends_with(" µm/K of it. Record that too, or fit a model without it"), "{error}");
+    }
+    let runs = [&files[1], &files[2]].map(|file| vec![file.clone()]);
+    let compared = changed_to(runs, fit.model(), &mut Keeper::default());
+    assert!(matches!(compared, Err(Error::Lacks { .. })), "so says a history: {compared:?}");
+    let at_rest = changed(&|line| match line.rsplit_once(',').unwrap() {
+        (other, "ambient_degc") => format!("{other},ambient_degc"),
+        (other, _) => format!("{other},20"),
+    });
+    assert!(kept.predict(&at_rest).is_ok());
 }
 
 #[test]
