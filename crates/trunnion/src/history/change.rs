@@ -1,11 +1,12 @@
 //! What changed between two runs, and which effect explains it.
 //! d = x₂ − x₁,   u²(d) = u₁² + u₂²                                                    [GUM 5.1.2, independent runs]
-//! Significant where |d| > t u(d), with one false one in a year of daily runs over all m parameters, as for the limits.
+//! Significant where |d| > t u(d), with one false one in a year of daily runs over all m parameters, as for the limits. A shape number that
+//! was fitted, a time constant for example, is one of them.
 //! An effect that the later run shows and the earlier does not is put into the model of both first: else the other parameters take
 //! its place. Whether the parameters are all that changed is asked of the readings: the values of the earlier run predict the later.
 //! Where they do not hold, the later run differs only if values of its own leave less:
 //! n (r₁² − r₂²) > p t² (s₁² + s₂²),   t as for one parameter
-//! n readings, r₁ rms that the values of the earlier run leave of them, r₂ that of its own, p parameters fitted, s₁ and s₂ rms of the two fits.
+//! n readings, r₁ rms that the values of the earlier run leave of them, r₂ that of its own, p parameters and shape numbers fitted, s₁ and s₂ rms of the two fits.
 //! The left side is |J d|², J columns of the parameters: (s₁² + s₂²) χ²(p) for an unchanged machine, and χ²(p) exceeds p t² at most as often as
 //! χ²(1) exceeds t². What both leave is no change of values: the readings scatter about the model.
 //! Limits: u is what the runs know of themselves; what differs from day to day without being a change is in the control limits.
@@ -92,7 +93,9 @@ struct Asked<'p> {
 /// True where values of the later run leave significantly less of its readings than those of the earlier.
 fn is_beyond(run: &RunPrediction, before: &Identification, after: &Fit) -> bool {
     let fit = after.identification();
-    let fitted = fit.parameters.iter().filter(|p| p.observable() && !is_setting(&p.effect)).count();
+    let linear = fit.parameters.iter().filter(|p| p.observable() && !is_setting(&p.effect)).count();
+    let shapes = fit.effects.iter().flat_map(|effect| &effect.shape_in_covariance).flatten().count();
+    let fitted = linear + shapes;
     let t = t_beyond(1.0 / RUNS_PER_FALSE_ALARM, MANY);
     // Of all readings, as the prediction: an outlier of the fit is none of the scatter s.
     let moved = run.readings as f64 * mm_from_um(run.rms_um).powi(2) - fit.residual_mm.norm_squared();
@@ -100,9 +103,9 @@ fn is_beyond(run: &RunPrediction, before: &Identification, after: &Fit) -> bool 
     moved > fitted as f64 * t * t * scatter
 }
 
-/// Parameters without those of the mounting.
+/// Parameters and shape numbers without those of the mounting.
 fn of_machine(fit: &Identification) -> Vec<Parameter> {
-    fit.parameters.iter().filter(|p| !is_setting(&p.effect)).cloned().collect()
+    fit.listed().into_iter().filter(|p| !is_setting(&p.effect)).collect()
 }
 
 /// Every parameter that both determine, most changed first.

@@ -43,13 +43,13 @@ pub(super) fn diagnosed(files: &[PathBuf], model: Option<&Model>) -> Result<Diag
 fn of(diagnosed: &Diagnosed) -> Found {
     let (fit, diagnosis) = (diagnosed.fit().results(), diagnosed.results());
     let judged = diagnosis.verdict != Verdict::NotJudged;
-    let of_machine = |p: &&Parameter| judged && p.value.is_some() && p.u.is_some() && !is_setting(&p.effect);
+    let of_machine = |p: &Parameter| judged && p.value.is_some() && p.u.is_some() && !is_setting(&p.effect);
     let run = HistoryRun {
         verdict: diagnosis.verdict,
         candidate: Diagnosis::named_in_short(&diagnosis.named()),
         rms_um: Some(fit.rms_um).filter(|_| judged),
         temperature_degc: diagnosed.fit().experiment().temperature_degc(),
-        values: fit.parameters.iter().filter(of_machine).cloned().collect(),
+        values: fit.listed().into_iter().filter(of_machine).collect(),
         trouble: not_plausible(&fit.plausibility),
         losses: diagnosed.fit().experiment().losses(),
         ..HistoryRun::default()
