@@ -1,4 +1,5 @@
-//! The present poses once more, in both directions: the cycle for data that decide nothing.
+//! The present poses once more, in both directions: the cycle for data that decide nothing. Where nothing moved, what the run saw came with
+//! time, and the same time is what to measure once more: a cycle of its one pose would be over after a reading.
 
 use super::candidates::SETTLE;
 use super::options::Options;
@@ -8,15 +9,23 @@ use crate::Experiment;
 use std::collections::BTreeSet;
 use trunnion_core::Joint;
 use trunnion_core::convert::{deg_from_rad, rad_from_deg};
+use trunnion_core::number::plain;
 use trunnion_cycles::cycle::{Bar, GridAxis, Motion, Rounds};
-use trunnion_cycles::{Cycle, RunKind};
+use trunnion_cycles::{Cycle, Run, RunKind};
 
 /// Programs are written to 0.0001 mm and 0.0001° at the finest [Fanuc, increment system IS-C].
 const PER_UNIT: f64 = 1e4;
+/// Two hours and more are said in hours.
+const HOURS_FROM_S: f64 = 7200.0;
 
-/// The poses of the last run as a cycle, with what it costs; `None` on the fly, and where they are no grid that a cycle file can write.
+/// The poses of the last run as a cycle, with what it costs; `None` on the fly, where nothing moved, and where they are no grid that a cycle
+/// file can write.
 pub(super) fn again(experiment: &Experiment, options: &Options) -> Option<(Cycle, PlannedCycle)> {
-    let cycle = cycle(experiment)?;
+    let run = last_run(experiment)?;
+    if run.kind != RunKind::Static {
+        return None;
+    }
+    let cycle = cycle(run)?;
     let visits = cycle.visits(experiment.machine(), &options.pace).ok()?;
     let planned = PlannedCycle {
         name: cycle.name.clone(),
@@ -30,13 +39,35 @@ pub(super) fn again(experiment: &Experiment, options: &Options) -> Option<(Cycle
     Some((cycle, planned))
 }
 
-fn cycle(experiment: &Experiment) -> Option<Cycle> {
-    let run = last_run(experiment)?;
-    if run.kind != RunKind::Static {
+/// What to do once more where no axis moved in the last run, in words; `None` where one did.
+pub(super) fn watch_again(experiment: &Experiment) -> Option<String> {
+    let alone = Experiment::new(&[last_run(experiment)?]).ok()?;
+    if !rests(&alone) {
         return None;
     }
+    let length = match alone.scene.duration_s().filter(|duration_s| *duration_s > 0.0) {
+        None => String::new(),
+        Some(s) if s < HOURS_FROM_S => format!(" in {} min", plain(s / 60.0)),
+        Some(s) => format!(" in {} h", plain(s / 3600.0)),
+    };
+    Some(format!(
+        "Watch another day of the same length: {} readings at this pose{length}.",
+        alone.points.len()
+    ))
+}
+
+/// True where the machine stands all the time. A spindle may turn.
+fn rests(alone: &Experiment) -> bool {
+    let machine = alone.machine();
+    !machine.joints().iter().any(|joint| machine.spindle != Some(*joint) && alone.scene.moves(*joint))
+}
+
+fn cycle(run: Run) -> Option<Cycle> {
     let (setups, name) = (run.setups.clone(), format!("{}-again", run.name));
     let alone = Experiment::new(&[run]).ok()?;
+    if rests(&alone) {
+        return None;
+    }
     let machine = alone.machine();
     // Linear axes follow the ball unless one moved by itself: then the cycle has to name all of them.
     let scene = &alone.scene;

@@ -47,6 +47,34 @@ fn where_nothing_is_named_the_present_poses_are_measured_once_more() {
     }
 }
 
+/// What came with time comes with time once more: the one pose, read in both directions, would be over in a minute.
+#[test]
+fn a_machine_that_was_watched_at_rest_is_watched_as_long_once_more() {
+    let mut run = points_run("points-nothing-hidden");
+    let once = run.points[0].clone();
+    run.points = (0..120)
+        .map(|k| {
+            let mut point = once.clone();
+            point.state.time_s = Some(120.0 * f64::from(k));
+            point.reading_mm = point.reading_mm.map(|mm| mm + 1e-4 * f64::from(k * 7 % 5));
+            point
+        })
+        .collect();
+    let (experiment, mut diagnosis) = advised(run, &[]);
+    let advice = diagnosis.next_cycle.clone().unwrap();
+    assert_eq!(
+        advice.suggestion,
+        "Watch another day of the same length: 120 readings at this pose in 3.97 h."
+    );
+    assert_eq!(advice.cycle, None);
+    let problem = Problem::new(&experiment, &Model::base("table-bc")).unwrap();
+    diagnosis.next_cycle = None;
+    let plan = next(&problem, &diagnosis, &Options::default()).unwrap().expect("a plan");
+    assert!(plan.answer.starts_with(&advice.suggestion), "{}", plan.answer);
+    // What else could be measured is not this pose.
+    assert!(plan.planned.is_none_or(|planned| !planned.name.ends_with("-again")));
+}
+
 #[test]
 fn where_no_cycle_separates_what_is_open_the_advice_is_to_repeat() {
     let (_, diagnosis) = advised(points_run("points-nothing-hidden"), &["backlash:C", "setup-slip"]);
