@@ -73,7 +73,7 @@ pub struct Wave {
     pub evidence_ln: f64,
     /// The known part that has this period, e.g. `lead/4`.
     pub is: Option<String>,
-    /// The period (mm) or cycles a turn that gives the same readings on this grid.
+    /// The first period (mm) or cycles a turn of those that give the same readings on this grid.
     pub alias: Option<f64>,
 }
 

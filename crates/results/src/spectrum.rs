@@ -21,7 +21,7 @@ pub struct Period {
     pub is: Option<String>,
     /// Amplitude, µm of a shift or µrad of a turn, where one motion waves.
     pub amplitude: Option<f64>,
-    /// What gives the same readings on this even grid of positions; null where positions are uneven.
+    /// The first of what gives the same readings on this even grid of positions; null where positions are uneven.
     pub alias: Option<f64>,
 }
 

@@ -27,8 +27,20 @@ impl Wave {
         let amplitude = self.amplitude.map_or(String::new(), |size| format!(", amplitude {size:.2} {unit}"));
         let near = |alias: &f64| (alias / self.value).max(self.value / alias) < DECADE;
         let alias = self.alias.filter(near).map_or(String::new(), |alias| {
-            format!(" On this even grid a wave {} gives the same readings.", every(alias))
+            format!(
+                " On this even grid a wave {} gives the same readings, and so do others without end, the next {}.",
+                every(alias),
+                every(self.alias_after(alias))
+            )
         });
         format!("It repeats {}, {spread}{source}{amplitude}.{alias}", every(self.value))
+    }
+
+    /// The alias that follows the first: that one is at ω_s − ω, this at ω_s + ω, and so on about every multiple of ω_s = 2π/step.
+    fn alias_after(&self, alias: f64) -> f64 {
+        match self.unit {
+            "mm" => (1.0 / alias + 2.0 / self.value).recip(),
+            _ => alias + 2.0 * self.value,
+        }
     }
 }

@@ -229,7 +229,7 @@ fn each_remark_about_the_first_candidate_is_said_in_the_language_of_the_report()
     let mut found = report();
     let waves = [
         "It repeats every 5.00 mm, u = 0.02 mm (lead/2), amplitude 1.20 µm.",
-        "It repeats 2.0 times per turn, u = 0.1 per turn. On this even grid a wave 6.0 times per turn gives the same readings.",
+        "It repeats 2.0 times per turn, u = 0.1 per turn. On this even grid a wave 6.0 times per turn gives the same readings, and so do others without end, the next 10.0 times per turn.",
     ];
     let best = Candidate {
         effect: "ballscrew-pitch:Z".into(),
@@ -242,7 +242,7 @@ fn each_remark_about_the_first_candidate_is_said_in_the_language_of_the_report()
     for said in [
         "<li>Es wiederholt sich alle 5.00 mm, u = 0.02 mm (lead/2), Amplitude 1.20 µm.</li>",
         "<li>Es wiederholt sich 2.0 Mal je Umdrehung, u = 0.1 je Umdrehung. Auf diesem gleichmäßigen Raster gibt eine Welle 6.0 Mal je \
-         Umdrehung dieselben Ablesungen.</li>",
+         Umdrehung dieselben Ablesungen, ebenso endlos viele andere, die nächste 10.0 Mal je Umdrehung.</li>",
     ] {
         assert!(german.contains(said), "{said}");
     }
