@@ -17,8 +17,10 @@ mod path;
 mod places;
 mod positions;
 mod readings;
+mod sensors;
 mod shown;
 mod sizes;
+mod stretches;
 mod temperatures;
 mod ways;
 

@@ -1,9 +1,7 @@
 //! Is every channel alive, and one of its own? Asked of every instrument, setup by setup.
 //!
 //! A channel that reads one value in every digit while the axes move is stuck. A coarse display shows one value for a while by itself, so
-//! the longest stretch is judged against the second longest of the same channel and against the other channels. Lengths of stretches
-//! have an exponential tail of some scale τ. Then the longest of them exceeds the second longest by an exponential of the same τ,
-//! whatever their number [Rényi 1953]: P(L₁ − L₂ > x) = e^(−x/τ). L₂ is no smaller than τ and stands for it.
+//! the longest stretch is judged against the second longest of the same channel and against the other channels ([`super::stretches`]).
 //! Limits: a channel that is stuck in two stretches of like length passes; one that is stuck at a resting machine is not looked at.
 
 mod sorted;
@@ -12,13 +10,12 @@ mod zeros;
 use super::found::{Implausible, plain};
 use super::readings::FEWEST_POINTS;
 use super::shown::{SAME_MM, Shown, would_move};
+use super::stretches::{Stretch, stands_out, stretches};
 use trunnion_core::Point;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::signed;
 use trunnion_cycles::Run;
 
-/// Chance of a stretch that long in a channel that is alive.
-const CHANCE: f64 = 1e-4;
 /// A channel reads one value in at least this share of the points, in whatever order: the others are single wrong values.
 const DEAD_SHARE: f64 = 0.9;
 /// Two channels read the same in at least this share of the points: of two probes only a coarse display makes some readings equal.
@@ -55,15 +52,6 @@ struct Channels<'a> {
     points: Vec<&'a Point>,
     /// Rows in the run, counted from 1.
     rows: Vec<usize>,
-}
-
-/// Neighbouring points at which a channel reads one value: from the first to the last of them, and how many of them are at another
-/// position than the one before.
-#[derive(Clone, Copy)]
-struct Stretch {
-    first: usize,
-    last: usize,
-    length: usize,
 }
 
 impl<'a> Channels<'a> {
@@ -103,20 +91,10 @@ impl<'a> Channels<'a> {
         would_move(self.run, self.setup, channels, &rows)
     }
 
-    /// Stretches of one value between two points, the longest first.
+    /// Stretches of one value between two points, the longest first. Points at the position of the one before do not count.
     fn stretches(&self, channel: usize, (from, to): (usize, usize)) -> Vec<Stretch> {
-        let mut found: Vec<Stretch> = Vec::new();
-        for at in from..=to {
-            let has_moved =
-                at == from || self.points[at].state.position != self.points[at - 1].state.position;
-            match found.last_mut() {
-                Some(last) if self.is_same(channel, at, last.first) => {
-                    last.last = at;
-                    last.length += usize::from(has_moved);
-                }
-                _ => found.push(Stretch { first: at, last: at, length: 1 }),
-            }
-        }
+        let has_moved = |at: usize| self.points[at].state.position != self.points[at - 1].state.position;
+        let mut found = stretches(from..=to, |at, other| self.is_same(channel, at, other), has_moved);
         found.sort_by_key(|stretch| std::cmp::Reverse(stretch.length));
         found
     }
@@ -125,9 +103,7 @@ impl<'a> Channels<'a> {
     fn stuck(&self) -> Option<Implausible> {
         let whole = (0, self.points.len().checked_sub(1)?);
         let channels: Vec<usize> = (0..self.names().len()).collect();
-        let too_long = |first: usize, second: usize| {
-            (first.saturating_sub(second)) as f64 > second as f64 * CHANCE.recip().ln()
-        };
+        let too_long = |first: usize, second: usize| stands_out(first as f64, second as f64);
         let found = channels.iter().find_map(|&channel| {
             let stretches = self.stretches(channel, whole);
             let longest = stretches[0];

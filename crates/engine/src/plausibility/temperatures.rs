@@ -2,6 +2,7 @@
 
 use super::found::{Implausible, plain};
 use super::readings::FEWEST_POINTS;
+use super::sensors;
 use trunnion_cycles::Run;
 
 /// Air in which nobody works, °C.
@@ -42,7 +43,8 @@ const WRITTEN: [Written; 3] = [
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let enough = runs.iter().filter(|run| run.good_points().count() >= FEWEST_POINTS);
-    enough.flat_map(|run| too_hot(run).into_iter().chain(not_read(run))).collect()
+    let of_sensor = |run: &Run| not_read(run).or_else(|| sensors::implausible(run));
+    enough.flat_map(|run| too_hot(run).into_iter().chain(of_sensor(run))).collect()
 }
 
 /// Air as hot as its number in another unit.

@@ -9,6 +9,7 @@ use crate::section::write_or_compare;
 use bars::{BARS, bar};
 use files::{Becomes, FILES};
 use probes::PROBES;
+pub use probes::warmed_k;
 use rows::ROWS;
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 //! Gross mistakes of users are named before any physics is blamed, and good runs raise no doubt.
 
-use crate::mistakes::{Files, READINGS};
+use crate::mistakes::{Files, READINGS, warmed_k};
 use std::path::PathBuf;
 use trunnion::results::{Decision, DoubtReason, Verdict};
 
@@ -44,6 +44,34 @@ fn a_coarse_display_of_a_quiet_machine_raises_no_doubt() {
             }
         }
         assert_eq!(files.open().check().plausibility, [], "{step_um} µm, {tilts}");
+    }
+}
+
+/// A sensor that never moved, a display in steps of 0.1 K, a motor that settles for the larger part of the run, a change that takes several
+/// readings, and one that two sensors show.
+#[test]
+fn what_a_machine_does_to_its_temperatures_raises_no_doubt() {
+    let coarse = |degc: f64| (10.0 * degc).round() / 10.0;
+    let switched_k = |row: usize| if row < 150 { 0.0 } else { 5.0 * (1.0 - (-(row as f64 - 149.0)).exp()) };
+    let wave_k = |row: usize| 0.8 * (row as f64 / 60.0).sin();
+    type Warmed<'a> = &'a dyn Fn(usize) -> f64;
+    let cases: [(&str, Warmed, Option<Warmed>); 6] = [
+        ("constant", &|_| 0.0, None),
+        ("constant in steps of a coarse display", &|row| coarse(0.05 + 0.06 * wave_k(row)), None),
+        ("coarse", &|row| coarse(warmed_k(row) + wave_k(row)), None),
+        ("settles", &|row| 8.0 * (1.0 - (-(row as f64) / 2.5).exp()), None),
+        ("switched on", &|row| wave_k(row) + switched_k(row), None),
+        (
+            "a door",
+            &|row| wave_k(row) + if row < 150 { 0.0 } else { 2.0 },
+            Some(&|row| warmed_k(row) - if row < 150 { 0.0 } else { 0.5 }),
+        ),
+    ];
+    for (name, warmed, of_another) in cases {
+        let mut files = Files::committed("points-gravity");
+        files.warm("bed_degc", warmed);
+        of_another.into_iter().for_each(|warmed| files.warm("column_degc", warmed));
+        assert_eq!(files.open().check().plausibility, [], "{name}");
     }
 }
 

@@ -26,6 +26,14 @@ impl Files {
         }
     }
 
+    /// A further temperature, from 20 °C on, as a display in steps of 0.01 K shows it.
+    pub fn warm(&mut self, name: &str, warmed_k: impl Fn(usize) -> f64) {
+        self.header.push(name.into());
+        for (row, cells) in self.rows.iter_mut().enumerate() {
+            cells.push(format!("{:.2}", 20.0 + warmed_k(row)));
+        }
+    }
+
     /// Rows of the second setup.
     pub fn second(&self) -> std::ops::Range<usize> {
         self.rows.len() / 2..self.rows.len()
@@ -51,12 +59,17 @@ impl Files {
     }
 }
 
+/// A bed that warms by 3 K with a time constant of 100 rows.
+pub fn warmed_k(row: usize) -> f64 {
+    3.0 * (1.0 - (-(row as f64) / 100.0).exp())
+}
+
 pub fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     let (sin, cos) = deg.to_radians().sin_cos();
     move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-pub const PROBES: [ProbeMistake; 35] = [
+pub const PROBES: [ProbeMistake; 37] = [
     (
         "every probe at the input of the next",
         GRAVITY,
@@ -306,6 +319,21 @@ pub const PROBES: [ProbeMistake; 35] = [
         GRAVITY,
         |f| (100..150).for_each(|row| f.set(row, "ambient_degc", 0.0, 2)),
         &["ambient is exactly 0 °C in 50 of 336 points (rows 101 to 150)", "sensor was not read"],
+    ),
+    (
+        "a temperature that stops",
+        GRAVITY,
+        |f| f.warm("bed_degc", |row| if row < 60 { warmed_k(row) } else { warmed_k(60) }),
+        &[
+            "from row 61 to the end (276 readings) the temperature bed is 21.35 °C in every digit, while others go on (ambient)",
+            "its plug or its logger stopped",
+        ],
+    ),
+    (
+        "a temperature that jumps",
+        GRAVITY,
+        |f| f.warm("bed_degc", |row| if row < 150 { warmed_k(row) } else { warmed_k(row) + 2.0 }),
+        &["from row 150 to row 151 the temperature bed jumps by +2.0 K", "plugged in elsewhere"],
     ),
     (
         "a clock set back by five minutes",
