@@ -27,6 +27,13 @@ pub struct Effect {
     pub golden: Golden,
 }
 
+impl Effect {
+    /// Whether it depends on time and on nothing else.
+    pub fn is_of_time_alone(&self) -> bool {
+        self.about.needs == [Need::TimeStamps]
+    }
+}
+
 /// What kind of thing an effect is: who proposes it, and at which price.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Role {

@@ -8,6 +8,7 @@ pub mod design;
 pub mod experiment;
 pub(crate) mod folds;
 pub(crate) mod off_nominal;
+pub(crate) mod one_way;
 pub mod passes;
 pub(crate) mod poses;
 pub(crate) mod rows;

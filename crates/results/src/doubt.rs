@@ -33,6 +33,8 @@ pub enum DoubtReason {
     LongerThanRun,
     /// The readings do not separate the terms of an effect, each with a time constant of its own.
     TermsNotSeparated,
+    /// The effect depends on time alone, and an axis goes one way while time goes on.
+    PlaceAndTime,
     /// One direction is stated at every point of an axis that went both ways.
     OneDirection,
     /// Readings of one pose scatter more than those of a machining centre in order.
@@ -114,6 +116,13 @@ impl From<&engine::Doubt> for Doubt {
                 );
                 (DoubtReason::TermsNotSeparated, words)
             }
+            engine::DoubtReason::PlaceAndTime { joint } => (
+                DoubtReason::PlaceAndTime,
+                format!(
+                    "{joint} goes one way while time goes on, so an error along {joint} reads the same as this course in time. Measure there \
+                     and back, or return to the first pose."
+                ),
+            ),
             engine::DoubtReason::OneDirection { joint, stated, contrary: [contrary, all] } => (
                 DoubtReason::OneDirection,
                 format!(

@@ -19,6 +19,7 @@ use crate::diagnosis::verdict::{
 };
 use crate::diagnosis::view::{Item, What, columns_of};
 use crate::diagnosis::words;
+use crate::fit::doubts::Doubt;
 use crate::problem::Problem;
 use crate::spectrum::Wave;
 use nalgebra::DMatrix;
@@ -235,13 +236,14 @@ impl Context<'_> {
         let explains_all =
             self.adequate(item) && more_than_noise(self.problem.fit(), refit.rms_mm()).is_none();
         // As the model with it is judged once it is added.
-        let doubt = if explains_all { units_differ(refit.fit()) } else { None };
+        let differ = if explains_all { units_differ(refit.fit()) } else { None };
         let instance = &scan.named[group].instance;
         let is_found = self.found.items.iter().any(|other| other.what == item.what);
         let confused =
             if is_found { confused_with(scan, self.found, item, self.options.claim_ln) } else { Vec::new() };
         let rivals: Vec<_> = confused.iter().map(|&g| &scan.named[g].instance).collect();
         let shown = if is_found { with_all } else { refit };
+        let doubts = shown.doubts(self.problem, &instance.id());
         let no_lag = shown.no_lag(self.problem.experiment(), &instance.id());
         let (parameters, mut waves) = self.parameters(refit);
         let own = waves.iter().position(|(effect, _)| *effect == instance.id());
@@ -255,9 +257,9 @@ impl Context<'_> {
             parameters,
             separate_by: words::separate_by(instance, &rivals),
             confused_with: rivals.iter().map(|instance| instance.id()).collect(),
-            adequate: explains_all && doubt.is_none(),
-            remarks: period.iter().map(Wave::words).chain(no_lag).chain(doubt).collect(),
-            doubts: shown.doubts(self.problem, &instance.id()),
+            adequate: explains_all && differ.is_none() && !doubts.iter().any(Doubt::is_of_another_cause),
+            remarks: period.iter().map(Wave::words).chain(no_lag).chain(differ).collect(),
+            doubts,
             seen_together: shown.seen_together(&instance.id()).cloned().collect(),
             period,
         }
@@ -326,6 +328,10 @@ impl Context<'_> {
                 // The remark on a single one has the figures.
                 self.found.items.len() > 1 && units_differ(refit.fit()).is_some(),
                 "passes or setups that the fit leaves out are predicted worse than visits of one pose differ by",
+            ),
+            (
+                self.found.items.len() > 1 && refit.is_of_another_cause(self.problem),
+                "an axis goes one way while time goes on, and an error along it reads the same as one of these effects",
             ),
             (
                 self.found.further.ncols() > 0,

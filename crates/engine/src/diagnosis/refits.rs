@@ -110,6 +110,12 @@ impl Refit {
         own.map_or_else(Vec::new, |effect| doubts_of(problem.experiment(), &model, &self.fit, effect))
     }
 
+    /// Whether another cause may be behind one of the effects that were added.
+    pub fn is_of_another_cause(&self, problem: &Problem<'_>) -> bool {
+        let of_effect = |entry: &ModelEffect| self.doubts(problem, &entry.id);
+        self.added.iter().flat_map(of_effect).any(|doubt| doubt.is_of_another_cause())
+    }
+
     /// What its time constant says where it is none.
     pub fn no_lag(&self, experiment: &Experiment, id: &str) -> Option<String> {
         no_lag(experiment, self.fit.effects.iter().find(|effect| effect.id == id)?)

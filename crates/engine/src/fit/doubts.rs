@@ -7,12 +7,14 @@
 //! - A time constant longer than the longest run: its course was never seen.
 //! - Terms of one effect, each with a time constant, of which one is so uncertain that its 95 % interval holds half of it: the terms imitate
 //!   each other, in steps that no linear covariance follows.
+//! - An effect of time alone where an axis goes one way while time goes on: an error along the axis reads the same.
 //! - One stated direction of an axis that goes both ways: an approach from one side, or a column that was never filled in.
 //! - Readings at rest that scatter as no machining centre in order does: a wrong unit, or something loose.
 
 use crate::evidence::joined;
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification};
 use crate::fit::shape::CONDITION_INDEX;
+use crate::problem::one_way::one_way;
 use crate::problem::steps::{self, OneDirection};
 use crate::solve::linear::Reduced;
 use crate::{Experiment, Status};
@@ -76,6 +78,11 @@ pub enum DoubtReason {
         /// Unit of both.
         unit: Unit,
     },
+    /// The effect depends on time alone, and an axis goes one way while time goes on.
+    PlaceAndTime {
+        /// The axis.
+        joint: Joint,
+    },
     /// One direction is stated at every point of an axis that went both ways.
     OneDirection {
         /// The axis.
@@ -90,6 +97,13 @@ pub enum DoubtReason {
         /// Repeatability of a reading, µm.
         noise_um: f64,
     },
+}
+
+impl Doubt {
+    /// Whether another cause that no cycle like this one separates may be behind the whole effect.
+    pub(crate) fn is_of_another_cause(&self) -> bool {
+        matches!(self.reason, DoubtReason::PlaceAndTime { .. })
+    }
 }
 
 /// What to doubt in a fit of `model`.
@@ -133,7 +147,21 @@ pub(crate) fn doubts_of(
     }
     found.extend(longer_than_run(experiment, effect));
     found.extend(terms_not_separated(fit, effect, &of_effect));
+    found.extend(place_and_time(experiment, effect, &of_effect));
     found
+}
+
+/// A course in time that may be an error along an axis.
+fn place_and_time(
+    experiment: &Experiment,
+    effect: &FittedEffect,
+    fitted: &[&FittedParameter],
+) -> Option<Doubt> {
+    trunnion_effects::catalogue::effect(&effect.id).filter(|effect| effect.is_of_time_alone())?;
+    let joint = one_way(experiment)?;
+    let seen = fitted.iter().filter(|p| p.status == Status::Identified).map(|p| p.name.clone());
+    let reason = DoubtReason::PlaceAndTime { joint };
+    Some(Doubt { effect: Some(effect.id.clone()), names: seen.collect(), reason })
 }
 
 /// Parameters that are larger than their cause allows.

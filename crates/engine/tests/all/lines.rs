@@ -12,6 +12,7 @@ use trunnion_effects::Model;
 use trunnion_engine::compare::places;
 use trunnion_engine::diagnosis::Options;
 use trunnion_engine::fit::Options as FitOptions;
+use trunnion_engine::fit::doubts::{Doubt, DoubtReason};
 use trunnion_engine::next_cycle::{Options as PlanOptions, plan, rivals_named};
 use trunnion_engine::{Experiment, Verdict, diagnose, identify};
 use trunnion_machine::shipped;
@@ -50,6 +51,24 @@ fn a_trend_on_a_line_measured_one_way_is_no_scale() {
         open += usize::from(diagnosis.undecided.iter().any(|open| open.effect == "linear-scale:X"));
     }
     assert!(open >= 2, "it may be one, and is listed as such in {open} of 4");
+}
+
+/// Where X goes one way, nothing tells a course in time from an error along X; measured there and back the same drift is one.
+#[test]
+fn a_drift_on_a_line_measured_one_way_may_be_an_error_along_the_axis() {
+    let there = one_way();
+    let back: Vec<f64> = there.iter().chain(there.iter().rev()).copied().collect();
+    for (positions, is_open) in [(there, true), (back, false)] {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let mut white_um = || -> f64 { StandardNormal.sample(&mut random) };
+        let experiment = line(&positions, |share| 20.0 * (1.0 - (-4.0 * share).exp()) + 0.3 * white_um());
+        let model = Model::base(&experiment.machine().name);
+        let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
+        let drift = &diagnosis.candidates[0];
+        assert_eq!(drift.effect, "thermal-drift");
+        let is_it = |doubt: &Doubt| matches!(doubt.reason, DoubtReason::PlaceAndTime { joint: X });
+        assert_eq!((drift.doubts.iter().any(is_it), drift.adequate), (is_open, !is_open), "{drift:?}");
+    }
 }
 
 #[test]

@@ -152,6 +152,7 @@ fn doubts_and_places_of_a_report_are_of_one_language() {
         Why::BeyondPhysical { limit, unit: trunnion_effects::Unit::UM },
         Why::LongerThanRun { tau_s: 5046.0, longest_s: 1682.0 },
         Why::TermsNotSeparated { value: 186.0, u: 86.0, unit: trunnion_effects::Unit::S },
+        Why::PlaceAndTime { joint: C },
         Why::OneDirection { joint: C, stated: 1.0, contrary: [3, 40] },
         Why::Scatter { noise_um: 4.0 },
     ];
