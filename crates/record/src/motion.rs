@@ -4,8 +4,10 @@
 //! rows of it, so that they are as good as inside. Without time the way along the path takes its place, as long as the feed says.
 //! At rest an axis came from where it stood before ([`Travel`]); on the fly it goes where v points ([`turning`]).
 
+mod moving;
 mod turning;
 
+use moving::Moving;
 use std::collections::VecDeque;
 use trunnion_core::direction::Travel;
 use trunnion_core::{AxisSample, AxisValues, Joint, Point, Slot, State};
@@ -49,17 +51,6 @@ struct Place {
     time_s: Option<f64>,
     feed_mm_per_s: Option<f64>,
     position: AxisValues<f64>,
-}
-
-/// How one axis moves at a row.
-#[derive(Clone, Copy, Default)]
-struct Moving {
-    /// Time (negative, s) and way from the row before it on the path.
-    back: Option<(f64, f64)>,
-    /// Way to the row after it.
-    ahead: Option<f64>,
-    speed: f64,
-    acceleration: f64,
 }
 
 impl Motion {

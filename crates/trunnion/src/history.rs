@@ -14,6 +14,7 @@ pub use keeper::{Keeper, Working};
 
 use crate::{Diagnosed, Error, Model, moment};
 use found::{Found, diagnosed};
+use keeper::{CHANGE, FORECAST};
 use std::path::{Path, PathBuf};
 use trunnion_core::{chain, names};
 use trunnion_results::{
@@ -51,10 +52,6 @@ struct Comparable {
     /// Where it was worked out just now.
     diagnosed: Option<Diagnosed>,
 }
-
-/// What is asked of several runs, in words.
-const CHANGE: &str = "what changed";
-const FORECAST: &str = "the next day";
 
 /// The history of one machine from runs in any order, each with the recordings that hold it. A run that cannot be read or judged is
 /// listed with the reason.

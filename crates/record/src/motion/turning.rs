@@ -3,7 +3,7 @@
 //! An axis goes where its speed at the row points: it may have turned since the row before, although it has gone farther than there. It turned
 //! where the parabola through the rows has its crest, q − v²/2a, if that lies between the two; else at the farther one of them.
 
-use super::Moving;
+use super::moving::Moving;
 use trunnion_core::direction::STANDSTILL;
 use trunnion_core::{AxisValues, Slot};
 

@@ -4,7 +4,7 @@
 //! A forecast is checked before it is given: the days before the last predict the last, which took no part in their fit.
 //! Limits: as long as nobody changes the machine. A season that no day of these belongs to is not in it.
 
-use super::Keeper;
+use super::keeper::{FORECAST, Keeper};
 use crate::{Error, Experiment, Fit, Model, identity, open_runs};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -72,7 +72,7 @@ pub fn without(why_not: String) -> DayForecast {
 /// forecast that fails is none, with the reason.
 pub fn next_day(runs: &[Vec<PathBuf>], model: Option<&Model>, keeper: &mut Keeper<'_>) -> DayForecast {
     keeper
-        .answer(("forecast", super::FORECAST), runs, model, || forecast(runs, model))
+        .answer(("forecast", FORECAST), runs, model, || forecast(runs, model))
         .unwrap_or_else(|error| without(format!("it failed: {}", chain(&error))))
 }
 

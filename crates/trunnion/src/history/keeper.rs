@@ -11,6 +11,9 @@ use std::time::UNIX_EPOCH;
 use trunnion_results::to_json_line;
 
 const ENDING: &str = "history.jsonl";
+/// What is asked of several runs, in words.
+pub(super) const CHANGE: &str = "what changed";
+pub(super) const FORECAST: &str = "the next day";
 /// Answers that are kept of a run: the run, what changed and the forecast after it, by the last four models.
 const MOST_KEPT: usize = 12;
 

@@ -61,13 +61,13 @@ fn every_file_of_hidden_physics_is_registered_and_described() {
 }
 
 #[test]
-fn an_unknown_id_names_what_is_allowed() {
-    let problem = hidden::find("gravity-sag:Q").unwrap_err().to_string();
-    assert!(
-        problem.contains("gravity-sag:Q")
-            && problem.contains("gravity-sag:B")
-            && problem.contains("thermal-drift")
-    );
+fn an_unknown_id_names_the_nearest_that_is_allowed() {
+    for (wanted, meant) in
+        [("gravity-sag:Q", "gravity-sag:"), ("termal-drift", "did you mean thermal-drift?")]
+    {
+        let problem = hidden::find(wanted).unwrap_err().to_string();
+        assert!(problem.contains(wanted) && problem.replacen(wanted, "", 1).contains(meant), "{problem}");
+    }
     let unfit = Truth::draw(&table_bc(), &low_and_high(), &[choice("gravity-sag:A")], RUN_S, 1).unwrap_err();
     assert!(unfit.to_string().contains("table-bc"));
 }
