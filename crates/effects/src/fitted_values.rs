@@ -9,8 +9,11 @@
 //! shapes = { "thermal-drift" = [300.0, 1800.0] }    # inside units
 //! parameters = [
 //!     { effect = "location-errors", name = "EX0C", unit = "um", value = -3.2, u = 0.26, between_runs = 0.4, correlation = [1.0] },
+//!     { effect = "thermal-drift", name = "tau1_s", unit = "s", value = 300.0, u = 40.0, correlation = [0.1, 1.0] },
 //! ]
 //! ```
+//!
+//! A shape number that the fit found has its u and correlations among the parameters, after all of them; the shape is that of `shapes`.
 //!
 //! `correlation` lists ρ with every parameter before it that has u, and with itself. Covariance of the values in one more run:
 //! Σ_ij = ρ_ij (u_i u_j + s_i s_j), u the standard uncertainty of the values, s their standard deviation from run to run.
@@ -36,7 +39,7 @@ pub struct FittedValues {
     pub shapes: Vec<(String, Vec<f64>)>,
     /// Standard deviation of a reading about the model, µm.
     pub reading_um: f64,
-    /// Parameters of the machine that are not zero or have a standard uncertainty.
+    /// Parameters of the machine that are not zero or have a standard uncertainty, then shape numbers that the fit found.
     pub parameters: Vec<FittedValue>,
 }
 

@@ -7,6 +7,7 @@ pub(crate) mod credible;
 pub mod design;
 pub mod experiment;
 pub(crate) mod folds;
+pub(crate) mod last_run;
 pub(crate) mod off_nominal;
 pub(crate) mod one_way;
 pub mod passes;

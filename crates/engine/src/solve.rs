@@ -1,5 +1,6 @@
 //! The arithmetic of a fit: rank-revealing least squares, directions without number, line search.
 
+pub(crate) mod collinear;
 pub(crate) mod combinations;
 pub(crate) mod direction;
 pub(crate) mod echelon;

@@ -2,9 +2,9 @@
 //!
 //! r = P (y − f(x̂))    P = I − Q Qᵀ, Q an orthonormal basis of the columns of the new settings
 //! Σ(r) = P (J Σ(x̂) Jᵀ + s² I) P
-//! y readings, f exact prediction, x̂ the values (frozen), J their columns in the new run, Σ(x̂) their covariance in one more run
-//! (`FittedValues`: what differs between runs is in it where several were fitted), s the scatter of a reading about the model, what
-//! the model lacks included. The band is ± 1.96 √Σ(r)ᵢᵢ.
+//! y readings, f exact prediction, x̂ the values (frozen), shape numbers that were fitted among them, J their columns in the new run,
+//! Σ(x̂) their covariance in one more run (`FittedValues`: what differs between runs is in it where several were fitted), s the scatter
+//! of a reading about the model, what the model lacks included. The band is ± 1.96 √Σ(r)ᵢᵢ.
 //! A value that the fitted runs do not determine alone is held as they left it, and has no part in Σ(x̂).
 //! Limits: readings count alike; s is that of one point or block of the fitted runs. Values of one run know nothing of what differs
 //! between runs.

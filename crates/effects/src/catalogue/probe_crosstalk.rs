@@ -42,7 +42,7 @@ pub(crate) static EFFECT: Effect = Effect {
     example: Example {
         id: "probe-crosstalk",
         shape: &[],
-        values: &[("x-of-y", 100.0), ("z-of-x", 50.0)],
+        values: &[("y-of-x", 100.0), ("z-of-x", 50.0)],
         view: View::Deflection,
     },
     golden: Golden {

@@ -10,7 +10,7 @@ use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::Found;
 use crate::diagnosis::verdict::NextCycle;
 use crate::diagnosis::view::What;
-use crate::evidence::turned;
+use crate::evidence::{off, turned};
 use crate::fit::identification::{Identification, Repeatability};
 use crate::noise::learned::kernels::{Kernel, Part};
 use crate::noise::machine_noise::Order;
@@ -241,7 +241,7 @@ pub fn noticeable_um(scan: &Scan<'_>, found: &Found, claim_ln: f64) -> Option<f6
             if columns.is_empty() {
                 return None;
             }
-            let left = &columns - &basis * basis.tr_mul(&columns);
+            let left = off(&columns, &basis);
             let seen = left.tr_mul(&left) / columns.nrows() as f64;
             let single: DMatrix<crate::noise::learned::Real> = turned(&columns).cast();
             let gram = here.grams(&single, &[single.ncols()]).remove(0);

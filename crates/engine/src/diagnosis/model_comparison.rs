@@ -10,7 +10,7 @@ use crate::diagnosis::scored::Scored;
 use crate::diagnosis::sparse::sparse_ln_odds;
 use crate::diagnosis::view::{View, What};
 use crate::diagnosis::views::{Seen, Views};
-use crate::evidence::{joined, orthonormal};
+use crate::evidence::{joined, off, orthonormal};
 use crate::noise::learned::sigma::Sigma;
 use nalgebra::DMatrix;
 use std::f64::consts::TAU;
@@ -82,7 +82,6 @@ fn holds(scan: &Scan<'_>, name: &Scored, term: &Scored) -> bool {
     let named = &scan.named[group];
     let of_wave = named.shapes.wave.and_then(|wave| Some(vec![repeats(scan, term, wave)?]));
     let base = orthonormal(&scan.remainder.base);
-    let off = |columns: &DMatrix<f64>, basis: &DMatrix<f64>| columns - basis * basis.tr_mul(columns);
     let of_term = off(&term.item.columns, &base);
     let is_held = |shape: &Vec<f64>| {
         scan.finite_columns_of(&named.instance, shape).is_some_and(|columns| {

@@ -6,12 +6,17 @@ use crate::next_cycle::PlannedCycle;
 use crate::problem::Problem;
 use crate::problem::experiment::Experiment;
 use crate::problem::folds::LeftOut;
+use crate::problem::last_run::{last_run, rests};
 use crate::solve::combinations::Combination;
 use crate::spectrum::Wave;
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::number::plain;
 use trunnion_cycles::RunKind;
 use trunnion_effects::ModelEffect;
+
+/// Two hours and more are said in hours.
+const HOURS_FROM_S: f64 = 7200.0;
 
 /// What is missing from a model, as far as the data can say.
 #[derive(Clone, Debug, PartialEq)]
@@ -219,6 +224,9 @@ impl NextCycle {
 
     /// Advice for data that decide nothing, as too little was measured twice: the other direction too, where an axis that turned knows one only.
     pub(crate) fn repeat(experiment: &Experiment) -> Self {
+        if let Some(watch) = watch_again(experiment) {
+            return Self::advice(watch);
+        }
         let what = if experiment.kinds.contains(&RunKind::OnTheFly) { "motion" } else { "poses" };
         let went = |joint: Joint, sign: f64| {
             experiment.points.iter().any(|point| point.state.direction[joint] * sign > 0.0)
@@ -233,6 +241,18 @@ impl NextCycle {
         let other_way = if both_ways { "" } else { ", in the opposite direction too" };
         Self::advice(format!("Repeat this pass: the same {what} once more{other_way}."))
     }
+}
+
+/// What to do once more where no axis moved in the last run: the same time; `None` where one did.
+fn watch_again(experiment: &Experiment) -> Option<String> {
+    let alone = Experiment::new(&[last_run(experiment)?]).ok().filter(rests)?;
+    let length = match alone.scene.duration_s().filter(|duration_s| *duration_s > 0.0) {
+        None => String::new(),
+        Some(s) if s < HOURS_FROM_S => format!(" in {} min", plain(s / 60.0)),
+        Some(s) => format!(" in {} h", plain(s / 3600.0)),
+    };
+    let readings = alone.points.len();
+    Some(format!("Watch another day of the same length: {readings} readings at this pose{length}."))
 }
 
 /// A shape number of an expression.

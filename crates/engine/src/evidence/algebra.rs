@@ -45,6 +45,11 @@ pub fn turned(columns: &DMatrix<f64>) -> DMatrix<f64> {
     orthonormal(columns) * (columns.nrows() as f64).sqrt()
 }
 
+/// What an orthonormal basis leaves of columns.
+pub fn off(columns: &DMatrix<f64>, basis: &DMatrix<f64>) -> DMatrix<f64> {
+    columns - basis * basis.tr_mul(columns)
+}
+
 /// Two sets of columns side by side.
 pub fn joined(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
     let mut all = first.clone().resize_horizontally(first.ncols() + second.ncols(), 0.0);

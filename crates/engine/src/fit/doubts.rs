@@ -5,18 +5,18 @@
 //!   and the π_jk of those directions add up to more than ½ for two or more coefficients, these are collinear [Belsley 1980].
 //! - A parameter larger than its cause allows (`Limit`).
 //! - A time constant longer than the longest run: its course was never seen.
-//! - Terms of one effect, each with a time constant, of which one is so uncertain that its 95 % interval holds half of it: the terms imitate
-//!   each other, in steps that no linear covariance follows.
+//! - Terms of one effect, each with a time constant, of which one is so uncertain that its 95 % interval goes beyond what a
+//!   secant covers ([`SECANT`]): the terms imitate each other, in steps that no linear covariance follows.
 //! - An effect of time alone where an axis goes one way while time goes on: an error along the axis reads the same.
 //! - One stated direction of an axis that goes both ways: an approach from one side, or a column that was never filled in.
 //! - Readings at rest that scatter as no machining centre in order does: a wrong unit, or something loose.
 
 use crate::evidence::joined;
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification};
-use crate::fit::shape::CONDITION_INDEX;
+use crate::problem::experiment::SECANT;
 use crate::problem::one_way::one_way;
 use crate::problem::steps::{self, OneDirection};
-use crate::solve::linear::Reduced;
+use crate::solve::collinear::collinear;
 use crate::{Experiment, Status};
 use nalgebra::DMatrix;
 use trunnion_core::Joint;
@@ -25,13 +25,6 @@ use trunnion_core::statistics::{COVERAGE_95, upper_median};
 use trunnion_cycles::RunKind;
 use trunnion_effects::{Instance, Limit, Model, Parameter, Role, Unit};
 
-/// Share of the variance of a coefficient that says it is involved [Belsley 1980 §3.2].
-const VARIANCE_SHARE: f64 = 0.5;
-/// Relative singular value of a direction that the columns of settings do not have.
-const NO_DIRECTION: f64 = 1e-8;
-/// Share of a shape number beyond which its covariance, which is that of a straight line, does not reach
-/// ([`Experiment::change_with_shape`]).
-const HALF: f64 = 0.5;
 /// Repeatability of a reading at rest beyond which unit, ball and probes are doubted, µm. Four of it are the unidirectional repeatability of
 /// ISO 230-2: 10 µm, where machining centres are sold with 2 to 5. A judgement, tuned on no data.
 const SCATTER_UM: f64 = 2.5;
@@ -208,30 +201,6 @@ fn scatter(experiment: &Experiment, fit: &Identification) -> Option<Doubt> {
     (at_rest && in_nest && noise_um > SCATTER_UM).then(|| Doubt { effect: None, names: Vec::new(), reason })
 }
 
-/// Largest condition index and the columns that it concerns; what all settings together imitate is projected out.
-fn collinear(mut columns: DMatrix<f64>, settings: &DMatrix<f64>) -> Option<(f64, Vec<usize>)> {
-    if settings.ncols() > 0 {
-        let basis = settings * Reduced::from_design(settings).orthonormal(NO_DIRECTION);
-        let of_settings = basis.tr_mul(&columns);
-        columns -= basis * of_settings;
-    }
-    for mut column in columns.column_iter_mut() {
-        let norm = column.norm();
-        column /= if norm > 0.0 { norm } else { 1.0 };
-    }
-    let eigen = columns.tr_mul(&columns).symmetric_eigen();
-    let largest = eigen.eigenvalues.max();
-    let weak = |k: usize| largest > CONDITION_INDEX.powi(2) * eigen.eigenvalues[k];
-    let share = |j: usize, wanted: &dyn Fn(usize) -> bool| -> f64 {
-        let part =
-            |k: usize| eigen.eigenvectors[(j, k)].powi(2) / eigen.eigenvalues[k].max(f64::MIN_POSITIVE);
-        (0..eigen.eigenvalues.len()).filter(|&k| wanted(k)).map(part).sum()
-    };
-    let involved: Vec<usize> =
-        (0..columns.ncols()).filter(|&j| share(j, &weak) > VARIANCE_SHARE * share(j, &|_| true)).collect();
-    (involved.len() > 1).then(|| ((largest / eigen.eigenvalues.min()).sqrt(), involved))
-}
-
 /// Time constants whose course was not seen to the end.
 fn longer_than_run(experiment: &Experiment, effect: &FittedEffect) -> Option<Doubt> {
     let length_s = |times: Vec<f64>| match times.iter().copied().reduce(f64::max) {
@@ -258,7 +227,7 @@ fn terms_not_separated(
     let found: Vec<(usize, f64, f64)> = found.collect();
     let share = |(_, value, u): &(usize, f64, f64)| u / value.abs();
     let least = found.iter().max_by(|a, b| share(a).total_cmp(&share(b)))?;
-    let is_open = found.len() > 1 && COVERAGE_95 * share(least) > HALF;
+    let is_open = found.len() > 1 && COVERAGE_95 * share(least) > SECANT;
     let &(k, value, u) = least;
     let name = &effect.shape_names[k];
     let shared = fitted.iter().filter(|p| p.status == Status::Identified).map(|p| p.name.clone());
@@ -288,21 +257,4 @@ fn times_of_runs(experiment: &Experiment) -> impl Iterator<Item = Vec<f64>> {
 fn time_constants(effect: &FittedEffect) -> impl Iterator<Item = (&str, f64)> {
     let numbers = effect.shape_names.iter().zip(&effect.shape).map(|(name, value)| (name.as_str(), *value));
     numbers.filter(|(name, _)| name.starts_with("tau") && name.ends_with("_s"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two settings that resemble each other: one after the other they would leave e₃ ± ½(e₁ − e₂).
-    #[test]
-    fn what_settings_imitate_together_is_projected_out() {
-        let matrix = |columns: &[[f64; 4]; 2]| {
-            DMatrix::from_columns(&columns.map(|column| nalgebra::DVector::from_row_slice(&column)))
-        };
-        let settings = matrix(&[[1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0]]);
-        let (index, involved) =
-            collinear(matrix(&[[0.0, 1.0, 1.0, 0.0], [0.0, -1.0, 1.0, 1e-3]]), &settings).expect("collinear");
-        assert!(index > CONDITION_INDEX && involved == [0, 1], "{index} {involved:?}");
-    }
 }

@@ -25,8 +25,8 @@ const NOISE_KNOWN: f64 = 0.1;
 const MOST_STEPS: usize = 40;
 /// Damping after a first step that does not lower the residual, against scaled columns whose norms are near one, and its factor
 /// from step to step [Marquardt 1963: ten in the square].
-const FIRST_DAMPING: f64 = 1e-2;
-const DAMPING_FACTOR: f64 = 3.162;
+pub(crate) const FIRST_DAMPING: f64 = 1e-2;
+pub(crate) const DAMPING_FACTOR: f64 = 3.162;
 /// Columns at the nominal machine lead to where J₀ᵀ r = 0, which lies above the least sum of squares by this share at most: errors of
 /// 3 % in the columns, squared.
 const RISE: f64 = 1e-3;

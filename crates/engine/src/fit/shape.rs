@@ -6,11 +6,13 @@
 //! changes; continuous numbers are refined by golden section between neighbours of the grid, one after the other, several then together.
 //! Limits: long experiments are searched on every k-th point.
 
-use crate::fit::gauss_newton::converge;
+use crate::evidence::off;
+use crate::fit::gauss_newton::{DAMPING_FACTOR, FIRST_DAMPING, converge};
 use crate::fit::options::Options;
 use crate::noise::weights::Weights;
 use crate::problem::design::Design;
 use crate::problem::side_by_side::SideBySide;
+use crate::solve::collinear::{CONDITION_INDEX, condition_index};
 use crate::solve::golden_section::golden_section;
 use crate::solve::linear::Reduced;
 use crate::spectrum::shapes::{at_rest, carriers, found};
@@ -31,14 +33,9 @@ const NO_DIRECTION: f64 = 1e-8;
 const NOTHING: f64 = 1e-3;
 const MOST_ROUNDS: usize = 4;
 const GOLDEN_STEPS: usize = 24;
-/// Condition index beyond which columns depend on each other [Belsley 1980 §3.2].
-pub(crate) const CONDITION_INDEX: f64 = 30.0;
 /// Steps of several numbers together, and the gain, as a share of what the effect explains, below which they stand.
 const MOST_STEPS: usize = 20;
 const STANDS: f64 = 1e-9;
-/// Damping to begin with, and its factor from step to step, as of the fit itself.
-const FIRST_DAMPING: f64 = 1e-2;
-const DAMPING_FACTOR: f64 = 3.162;
 
 /// Chooses every free shape in `joint`; true when there was one.
 pub(crate) fn search_shapes(
@@ -193,16 +190,6 @@ fn together(
     shape
 }
 
-/// s₁/s_n of columns scaled to unit length [Belsley 1980].
-fn condition_index(columns: &DMatrix<f64>) -> f64 {
-    let lengths: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
-    let kept: Vec<usize> = (0..lengths.len()).filter(|&k| lengths[k] > 0.0).collect();
-    let mut columns = columns.select_columns(&kept);
-    columns.column_iter_mut().zip(&kept).for_each(|(mut column, &k)| column.unscale_mut(lengths[k]));
-    let eigen = columns.tr_mul(&columns).symmetric_eigenvalues();
-    if eigen.is_empty() { 1.0 } else { (eigen.max() / eigen.min().max(f64::MIN_POSITIVE)).sqrt() }
-}
-
 /// A step of the shape numbers towards the least squares of readings, values fitted at each shape [Rust 2013]; the diagonal of the normal matrix is
 /// larger by `damping` [Marquardt 1963]. `left` has no part in the span of `others`.
 fn step(
@@ -215,8 +202,7 @@ fn step(
     damping: f64,
 ) -> Option<DVector<f64>> {
     let columns = selected(experiment, &[(instance, shape)], rows);
-    let off = |columns: DMatrix<f64>, basis: &DMatrix<f64>| &columns - basis * basis.tr_mul(&columns);
-    let own = off(columns, others);
+    let own = off(&columns, others);
     let svd = own.svd(true, true);
     let least = SURVIVES * svd.singular_values.max();
     let values = svd.solve(left, least).ok()?;
@@ -229,7 +215,7 @@ fn step(
         all.component_mul(&rows.weights.root).select_rows(&rows.list)
     };
     let changes = DMatrix::from_columns(&(0..shape.len()).map(change).collect::<Vec<_>>());
-    let changes = off(off(changes, others), &own_basis);
+    let changes = off(&off(&changes, others), &own_basis);
     let mut normal = changes.tr_mul(&changes);
     for k in 0..shape.len() {
         normal[(k, k)] *= 1.0 + damping;
@@ -287,7 +273,7 @@ fn score(
             column.fill(0.0)
         }
     }
-    let own = &columns - others * others.tr_mul(&columns);
+    let own = off(&columns, others);
     let svd = own.svd(true, false);
     let u = svd.u.expect("asked for");
     (0..svd.singular_values.len())

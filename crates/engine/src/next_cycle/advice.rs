@@ -1,7 +1,7 @@
 //! What to measure next after a diagnosis: the cycle that separates the rivals that it leaves open; where it decides nothing, the present
 //! one once more. `diagnose`, every report and `plan` have it from here.
 
-use super::again::{again, watch_again};
+use super::again::again;
 use super::answer::{Plan, assumptions};
 use super::choose::plan_problem;
 use super::options::{Options, PlanError};
@@ -84,15 +84,10 @@ fn separated(
 fn repeated(problem: &Problem<'_>, diagnosis: &Diagnosis, options: &Options) -> Repeated {
     let suggestion = diagnosis.next_cycle.as_ref().map(|next| next.suggestion.clone());
     match diagnosis.verdict {
-        Verdict::Undecided => {
-            let repeat = NextCycle::repeat(problem.experiment()).suggestion;
-            let suggestion = suggestion.filter(|said| *said != repeat);
-            let once_more = || watch_again(problem.experiment()).unwrap_or(repeat);
-            Repeated {
-                suggestion: suggestion.unwrap_or_else(once_more),
-                again: again(problem.experiment(), options),
-            }
-        }
+        Verdict::Undecided => Repeated {
+            suggestion: suggestion.unwrap_or_else(|| NextCycle::repeat(problem.experiment()).suggestion),
+            again: again(problem.experiment(), options),
+        },
         _ => Repeated { suggestion: suggestion.unwrap_or_default(), again: None },
     }
 }

@@ -1,22 +1,19 @@
-//! The present poses once more, in both directions: the cycle for data that decide nothing. Where nothing moved, what the run saw came with
-//! time, and the same time is what to measure once more: a cycle of its one pose would be over after a reading.
+//! The present poses once more, in both directions: the cycle for data that decide nothing. Where nothing moved there is none: a cycle of
+//! the one pose would be over after a reading, and what the run saw came with time ([`crate::diagnosis::verdict::NextCycle`]).
 
 use super::candidates::SETTLE;
 use super::options::Options;
 use super::planned::PlannedCycle;
-use super::present::last_run;
 use crate::Experiment;
+use crate::problem::last_run::{last_run, rests};
 use std::collections::BTreeSet;
 use trunnion_core::Joint;
 use trunnion_core::convert::{deg_from_rad, rad_from_deg};
-use trunnion_core::number::plain;
 use trunnion_cycles::cycle::{Bar, GridAxis, Motion, Rounds};
 use trunnion_cycles::{Cycle, Run, RunKind};
 
 /// Programs are written to 0.0001 mm and 0.0001° at the finest [Fanuc, increment system IS-C].
 const PER_UNIT: f64 = 1e4;
-/// Two hours and more are said in hours.
-const HOURS_FROM_S: f64 = 7200.0;
 
 /// The poses of the last run as a cycle, with what it costs; `None` on the fly, where nothing moved, and where they are no grid that a cycle
 /// file can write.
@@ -37,29 +34,6 @@ pub(super) fn again(experiment: &Experiment, options: &Options) -> Option<(Cycle
         file: cycle.to_text(),
     };
     Some((cycle, planned))
-}
-
-/// What to do once more where no axis moved in the last run, in words; `None` where one did.
-pub(super) fn watch_again(experiment: &Experiment) -> Option<String> {
-    let alone = Experiment::new(&[last_run(experiment)?]).ok()?;
-    if !rests(&alone) {
-        return None;
-    }
-    let length = match alone.scene.duration_s().filter(|duration_s| *duration_s > 0.0) {
-        None => String::new(),
-        Some(s) if s < HOURS_FROM_S => format!(" in {} min", plain(s / 60.0)),
-        Some(s) => format!(" in {} h", plain(s / 3600.0)),
-    };
-    Some(format!(
-        "Watch another day of the same length: {} readings at this pose{length}.",
-        alone.points.len()
-    ))
-}
-
-/// True where the machine stands all the time. A spindle may turn.
-fn rests(alone: &Experiment) -> bool {
-    let machine = alone.machine();
-    !machine.joints().iter().any(|joint| machine.spindle != Some(*joint) && alone.scene.moves(*joint))
 }
 
 fn cycle(run: Run) -> Option<Cycle> {

@@ -5,6 +5,7 @@ use super::options::PlanError;
 use crate::fit::identification::Identification;
 use crate::problem::Problem;
 use crate::problem::experiment::Experiment;
+use crate::problem::last_run::part_of;
 use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_core::{Point, Quality, Setup, State};
 use trunnion_cycles::{Run, RunKind};
@@ -152,39 +153,4 @@ impl Present {
 fn follows_deflections(instance: &Instance, scene: &Scene) -> bool {
     let parameters = |deflection_mm| instance.parameters(&Scene { deflection_mm, ..scene.clone() }).len();
     parameters(Vector3::repeat(1.0)) != parameters(Vector3::zeros())
-}
-
-/// The last run of an experiment.
-pub(super) fn last_run(experiment: &Experiment) -> Option<Run> {
-    let run = experiment.runs.len().checked_sub(1)?;
-    let own: Vec<usize> =
-        (0..experiment.points.len()).filter(|&i| experiment.run_of_point[i] == run).collect();
-    (!own.is_empty()).then(|| part_of(experiment, run, &own))
-}
-
-/// Some points of one run of an experiment as a run of its own.
-fn part_of(experiment: &Experiment, run: usize, points: &[usize]) -> Run {
-    let mut used: Vec<usize> = points.iter().map(|&i| experiment.points[i].state.setup).collect();
-    used.sort_unstable();
-    used.dedup();
-    let prefix = format!("{}.", run + 1);
-    let setup = |&s: &usize| {
-        let setup = &experiment.setups[s];
-        // Several runs fitted together have the number of the run before the name of the setup.
-        let name = if experiment.runs.len() > 1 { setup.name.strip_prefix(&prefix) } else { None };
-        Setup { name: name.unwrap_or(&setup.name).into(), ..setup.clone() }
-    };
-    let point = |&i: &usize| {
-        let mut point = experiment.points[i].clone();
-        point.state.setup = used.binary_search(&point.state.setup).expect("collected above");
-        point
-    };
-    Run {
-        name: experiment.runs[run].clone(),
-        machine: experiment.machine().clone(),
-        kind: experiment.kinds[run],
-        setups: used.iter().map(setup).collect(),
-        channels: experiment.scene.channels.clone(),
-        points: points.iter().map(point).collect(),
-    }
 }

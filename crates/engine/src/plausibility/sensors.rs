@@ -12,7 +12,7 @@ use super::found::{Implausible, plain};
 use super::readings::FEWEST_POINTS;
 use super::stretches::{Stretch, stands_out, stretches};
 use trunnion_core::number::signed;
-use trunnion_core::statistics;
+use trunnion_core::{Point, statistics};
 use trunnion_cycles::Run;
 
 /// Temperatures closer than this are one value; displays show no finer step, K.
@@ -45,7 +45,8 @@ impl<'a> Sensors<'a> {
         let times_s: Option<Vec<f64>> = points.iter().map(|(_, point)| point.state.time_s).collect();
         let mut times_s = times_s.unwrap_or_default();
         if !times_s.is_empty() {
-            points.sort_by(|(_, a), (_, b)| a.state.time_s.partial_cmp(&b.state.time_s).expect("numbers"));
+            let time_s = |point: &Point| point.state.time_s.unwrap_or_default();
+            points.sort_by(|(_, a), (_, b)| time_s(a).total_cmp(&time_s(b)));
             times_s.sort_by(f64::total_cmp);
         }
         let channel = |(channel, name): (usize, &'a String)| {

@@ -34,8 +34,10 @@ pub struct Experiment {
     first_row: Vec<usize>,
 }
 
-/// Shares of a shape number that a secant covers on each side: more than rounding, and less than leads to zero.
-const OF_SHAPE: [f64; 2] = [1e-4, 0.5];
+/// Share of a shape number that a secant covers at most on each side: less than leads to zero. Beyond it a linear covariance says nothing.
+pub(crate) const SECANT: f64 = 0.5;
+/// The same at least: more than rounding.
+const TANGENT: f64 = 1e-4;
 
 impl Experiment {
     /// Lays points out in rows, with the run of each; `setups` and `scene` are those of all runs.
@@ -173,7 +175,7 @@ impl Experiment {
         u: f64,
         values: &DVector<f64>,
     ) -> DVector<f64> {
-        let [least, most] = OF_SHAPE.map(|share| share * shape[at].abs());
+        let [least, most] = [TANGENT, SECANT].map(|share| share * shape[at].abs());
         let step = u.clamp(least, most);
         let [mut less, mut more] = [shape.to_vec(), shape.to_vec()];
         (less[at], more[at]) = (shape[at] - step, shape[at] + step);

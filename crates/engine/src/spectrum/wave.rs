@@ -2,6 +2,7 @@
 
 use super::band::{Band, OVERSAMPLING};
 use super::moments::{Inner, Moments};
+use crate::evidence::off;
 use crate::solve::golden_section::golden_section;
 use nalgebra::{DMatrix, DVector};
 
@@ -128,7 +129,7 @@ impl Waves {
     /// Amplitudes (cos, sin) of each carrier at a frequency, mm or rad; least squares next to the model.
     pub fn amplitudes(&self, omega: f64) -> Vec<(f64, f64)> {
         let columns = self.columns(omega);
-        let left = &columns - &self.basis * self.basis.tr_mul(&columns);
+        let left = off(&columns, &self.basis);
         let scale = left.amax();
         let values = left
             .svd(true, true)

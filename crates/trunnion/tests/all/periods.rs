@@ -130,6 +130,8 @@ fn check_stage(run: &Experiment, every: usize, lead_mm: Option<f64>) {
     let u = among.u.expect("a free period has u");
     assert!((among.value.unwrap() - period.value).abs() < 2.0 * period.u, "every {every}: {among:?}");
     assert!(u > 0.0 && u < 1.01 * period.u, "every {every}: {u} against {}", period.u);
+    let off = among.value.unwrap() - STAGE[0].0;
+    assert!(off.abs() < 4.0 * u, "every {every}: {off} mm off, u {u}");
     let summary = diagnosed.summary();
     assert!(summary.contains("0.2500 mm") && !summary.contains("No cycle could be planned"), "{summary}");
     let compared = diagnosed.compare().results();

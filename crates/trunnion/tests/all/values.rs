@@ -25,13 +25,19 @@ fn a_run_that_does_not_move_an_axis_of_the_model_is_refused() {
     assert!(error.contains("gravity-sag:B is out of reach of these runs"), "{error}");
 }
 
-/// A sensor that stands still moves nothing; one that is not there may.
-#[test]
-fn a_run_without_a_temperature_that_carries_a_kept_value_is_refused() {
+/// Days of one machine that does not change, in a folder, and the fit of the first of them.
+fn fitted_days(fitted: usize) -> (tempfile::TempDir, Vec<PathBuf>, Fit) {
     let folder = tempfile::tempdir().unwrap();
     let days = Days { coefficients: [8.0, -3.0], between_um_per_k: 0.0, drift: (0.0, 1.0), white_um: 0.3 };
     let (files, _) = days.write(folder.path(), 1);
-    let fit = fit(&files[..2]);
+    let fit = fit(&files[..fitted]);
+    (folder, files, fit)
+}
+
+/// A sensor that stands still moves nothing; one that is not there may.
+#[test]
+fn a_run_without_a_temperature_that_carries_a_kept_value_is_refused() {
+    let (_folder, files, fit) = fitted_days(2);
     let kept = fit.model().with_values(&fit.values("2026-03-01")).unwrap();
     let table = std::fs::read_to_string(&files[2]).unwrap();
     let changed = |change: &dyn Fn(&str) -> String| {
@@ -248,10 +254,7 @@ fn temperatures_that_change_together_and_impossible_coefficients_are_doubted() {
 /// The same readings with another temperature are another run.
 #[test]
 fn a_run_with_another_temperature_or_direction_was_not_fitted() {
-    let folder = tempfile::tempdir().unwrap();
-    let days = Days { coefficients: [8.0, -3.0], between_um_per_k: 0.0, drift: (0.0, 1.0), white_um: 0.3 };
-    let (files, _) = days.write(folder.path(), 1);
-    let fit = fit(&files[..1]);
+    let (_folder, files, fit) = fitted_days(1);
     let kept = fit.model().with_values(&fit.values("2026-03-01")).unwrap();
     let was_fitted = |file: &Path| kept.predict(&trunnion::open(file).unwrap()).unwrap().runs[0].was_fitted;
     assert!(was_fitted(&files[0]));

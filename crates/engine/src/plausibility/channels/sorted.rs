@@ -3,6 +3,7 @@
 //! What depends on the pose comes back with it. A drift alone rises so only where it is larger, from one row to the next, than all that the pose does.
 
 use super::Channels;
+use crate::plausibility::exchanged::GROSS_UM;
 use crate::plausibility::found::{Implausible, plain};
 use crate::plausibility::shown::SAME_MM;
 use trunnion_core::convert::um_from_mm;
@@ -12,9 +13,6 @@ use trunnion_core::number::fixed;
 const FEWEST: usize = 24;
 /// An axis turns so often at least: three passes, or rows of a grid.
 const FEWEST_TURNS: usize = 6;
-/// Readings that rise by less may be nothing but a display.
-const GROSS_UM: f64 = super::super::exchanged::GROSS_UM;
-
 impl Channels<'_> {
     pub(super) fn sorted(&self) -> Option<Implausible> {
         let count = self.points.len();
@@ -34,7 +32,7 @@ impl Channels<'_> {
                 _ => return None,
             };
             let span_um = um_from_mm(steps.iter().sum::<f64>().abs());
-            // A display shows what rises slowly as a few steps.
+            // A display shows what rises slowly as a few steps, and a rise that is not gross may be nothing but a display.
             (2 * (rising + falling) > count && span_um > GROSS_UM).then(|| {
                 plain(
                     format!(
