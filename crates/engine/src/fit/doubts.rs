@@ -6,7 +6,7 @@
 //! - A parameter larger than its cause allows (`Limit`).
 //! - A time constant longer than the longest run: its course was never seen.
 //! - Terms of one effect, each with a time constant, of which one is so uncertain that its 95 % interval goes beyond what a
-//!   secant covers ([`SECANT`]): the terms imitate each other, in steps that no linear covariance follows.
+//!   secant covers (`SECANT`): the terms imitate each other, in steps that no linear covariance follows.
 //! - An effect of time alone where an axis goes one way while time goes on: an error along the axis reads the same.
 //! - One stated direction of an axis that goes both ways: an approach from one side, or a column that was never filled in.
 //! - Readings at rest that scatter as no machining centre in order does: a wrong unit, or something loose.
