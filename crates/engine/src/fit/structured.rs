@@ -6,8 +6,8 @@
 //! C = N (Σ_i s²W_i q_i a_i a_iᵀ + Σ_k v_k AᵀK_kA + Π) N + δδᵀ,   N = (AᵀA + P)⁻¹,   q_i = (Py)_i²/P_ii
 //!
 //! A: the columns of the determined parameters, and of the shape numbers that the fit found ([`crate::fit::sensitivity`]).
-//! s, W, K_k: the noise that a diagnosis learns (`noise::learned`, docs/design/statistics.md §1); v_k: posterior means of s²ρ_k²; Π: the
-//! u² of the priors. a_i: rows of A. q_i: the square of the white part of a reading over what is expected of it, 1 on average; it holds
+//! s, W, K_k: the noise that a diagnosis learns (`noise::learned`, docs/design/statistics.md §1); v_k: posterior means of s²ρ_k²; Π:
+//! the u² of the priors. a_i: rows of A. q_i: the square of the white part of a reading over what is expected of it, 1 on average; it holds
 //! whatever the size of the white noise depends on [White 1980]. δ: from the estimate to the one that weights the readings by Σ⁻¹. Σ says
 //! that the estimate errs by −δ; a correction that is known and not made is a part of the uncertainty [GUM F.2.4.5]. Where neighbours are averaged for learning, those of one mean share what is not white, and the
 //! white variance of one is that of the mean times their number.
@@ -18,13 +18,13 @@
 use crate::Experiment;
 use crate::fit::gauss_newton::Converged;
 use crate::fit::identification::NoisePart;
-use crate::fit::mixture::{half_width, places};
+use crate::fit::mixture::half_width;
 use crate::fit::sensitivity::Sensitivity;
 use crate::noise::learned::Real;
 use crate::noise::learned::display::Display;
-use crate::noise::learned::kernels::{Kernel, Kernels, Over, Part};
+use crate::noise::learned::kernels::Part;
 use crate::noise::learned::mode::Mode;
-use crate::noise::learned::posterior::{Size, sizes};
+use crate::noise::learned::posterior::{Draw, draws};
 use crate::noise::learned::remainder::{Fitted, Learned, Remainder};
 use crate::problem::rows::Rows;
 use nalgebra::{DMatrix, DVector};
@@ -79,7 +79,7 @@ pub(crate) fn structured(
     }
     let (noise, mode) = remainder.learn()?;
     let (kernels, unit_mm) = (&remainder.kernels, remainder.unit_mm);
-    let sizes = sizes(&mode, kernels);
+    let draws = draws(&mode, kernels, &remainder.y);
     let white_mm = mode.white() * unit_mm;
     let white = noise.white.component_mul(&squares(&mode));
     let (of_nodes, of_white) = sums(known, &remainder.rows, used, &white);
@@ -89,11 +89,11 @@ pub(crate) fn structured(
     let constant = constant + of_display(&remainder, &influence, &fit.predicted_mm);
     let influence = influence * unit_mm;
     let not_corrected = correction(&remainder, &mode, &influence);
-    let of_kernels = of_kernels(kernels, &influence);
-    let covariance = covariance(&constant, &of_kernels, &sizes) + &not_corrected * not_corrected.transpose();
+    let of_kernels = kernels.through(&influence.cast());
+    let covariance = covariance(&constant, &of_kernels, &draws) + &not_corrected * not_corrected.transpose();
     let sigma_mm = |part: Part| {
-        let own = sizes.iter().filter(|size| size.part == part);
-        unit_mm * own.map(|size| size.mean).sum::<f64>().sqrt()
+        let own = (0..kernels.list.len()).filter(|&k| kernels.list[k].part == part);
+        unit_mm * own.map(|k| mean_of(&draws, k)).sum::<f64>().sqrt()
     };
     let white = NoisePart { name: "white", sigma_mm: white_mm };
     let parts = PARTS.map(|(part, name)| NoisePart { name, sigma_mm: sigma_mm(part) });
@@ -129,18 +129,22 @@ fn is_mixed(experiment: &Experiment) -> bool {
 
 /// Mean covariance of all sizes of the noise that the run allows, each parameter with the u of which ± 1.96 u holds 95 % of their
 /// mixture: a few sizes that may be large widen the mean more than the interval.
-fn covariance(constant: &DMatrix<f64>, of_kernels: &[DMatrix<f64>], sizes: &[Size]) -> DMatrix<f64> {
+fn covariance(constant: &DMatrix<f64>, of_kernels: &[DMatrix<f64>], draws: &[Draw]) -> DMatrix<f64> {
     let mut mean = constant.clone();
-    of_kernels.iter().zip(sizes).for_each(|(of_kernel, size)| mean += of_kernel * size.mean);
-    let draws = draws(sizes);
+    for (k, of_kernel) in of_kernels.iter().enumerate() {
+        mean += of_kernel * mean_of(draws, k);
+    }
     let scale: Vec<f64> = (0..mean.nrows())
         .map(|j| {
-            let of_draw = |draw: &Vec<f64>| {
-                let of_kernels =
-                    draw.iter().zip(of_kernels).map(|(variance, of_kernel)| variance * of_kernel[(j, j)]);
-                (constant[(j, j)] + of_kernels.sum::<f64>()).max(0.0).sqrt()
+            let of_draw = |draw: &Draw| {
+                let of_kernels = draw
+                    .variances
+                    .iter()
+                    .zip(of_kernels)
+                    .map(|(variance, of_kernel)| variance * of_kernel[(j, j)]);
+                ((constant[(j, j)] + of_kernels.sum::<f64>()).max(0.0).sqrt(), draw.weight)
             };
-            let u: Vec<f64> = draws.iter().map(of_draw).collect();
+            let u: Vec<(f64, f64)> = draws.iter().map(of_draw).collect();
             if mean[(j, j)] > 0.0 { half_width(&u) / COVERAGE_95 / mean[(j, j)].sqrt() } else { 1.0 }
         })
         .collect();
@@ -149,17 +153,9 @@ fn covariance(constant: &DMatrix<f64>, of_kernels: &[DMatrix<f64>], sizes: &[Siz
     })
 }
 
-/// Variances of all kernels drawn together, independent. Whether the machine has a part is drawn once for all its kernels.
-fn draws(sizes: &[Size]) -> Vec<Vec<f64>> {
-    let of = |place: Vec<f64>| {
-        let (of_parts, of_sizes) = place.split_at(Part::ALL.len());
-        let at = |(size, place): (&Size, &f64)| {
-            let of_part = Part::ALL.iter().position(|part| *part == size.part).unwrap_or(0);
-            if size.is_there(of_parts[of_part]) { size.quantile(*place) } else { 0.0 }
-        };
-        sizes.iter().zip(of_sizes).map(at).collect()
-    };
-    places(Part::ALL.len() + sizes.len()).map(of).collect()
+/// Mean variance of kernel k.
+fn mean_of(draws: &[Draw], k: usize) -> f64 {
+    draws.iter().map(|draw| draw.weight * draw.variances[k]).sum()
 }
 
 /// The columns on the rows that are looked at, weighted.
@@ -218,27 +214,6 @@ fn sums(
         of_white.gemm_tr(1.0, &chosen, &chosen, 1.0);
     });
     (of_nodes, of_white)
-}
-
-/// H K_k Hᵀ of every kernel; `influence`: Hᵀ summed for each node.
-fn of_kernels(kernels: &Kernels, influence: &DMatrix<f64>) -> Vec<DMatrix<f64>> {
-    let folded: Vec<Vec<DMatrix<Real>>> = kernels
-        .frames
-        .iter()
-        .map(|frame| kernels.folded_columns(frame, influence).into_iter().map(DMatrix::cast).collect())
-        .collect();
-    let of_kernel = |kernel: &Kernel| {
-        let mut sum = DMatrix::zeros(influence.ncols(), influence.ncols());
-        for of_direction in &folded[kernel.frame] {
-            let product = match &kernel.over {
-                Over::Own => of_direction.transpose() * of_direction,
-                Over::Pairs(pairs) => of_direction.transpose() * (pairs * of_direction),
-            };
-            sum += product.cast::<f64>();
-        }
-        sum
-    };
-    kernels.list.iter().map(of_kernel).collect()
 }
 
 /// What a coarse display adds, which errs alike at like readings: the saw of its step d has the amplitude d/πn in its harmonic n.

@@ -6,14 +6,18 @@
 //! pattern that repeats. It has mean variance 1 per reading, so that ρ_k is its size in units of the white noise s. The sizes are
 //! learned by restricted maximum likelihood with the prior above, for each run and again with every effect that is weighed.
 
+mod compressed;
 mod dense;
 pub(crate) mod display;
 mod field;
+mod frame;
 pub(crate) mod kernels;
+mod lattice;
 pub(crate) mod mode;
 pub(crate) mod posterior;
 pub(crate) mod remainder;
 pub(crate) mod sigma;
+mod size;
 pub(crate) mod tails;
 
 /// Precision of the large matrices.

@@ -9,15 +9,42 @@ pub(crate) fn within(z: f64) -> f64 {
     1.0 - polynomial * (-x * x).exp()
 }
 
+/// Halvings of the interval in which a deviate lies: beyond the error of [`within`].
+const BISECTIONS: usize = 30;
+/// No deviate is further out: 10⁻⁹ of all are.
+const FURTHEST: f64 = 6.0;
+
+/// Probability of no more than this deviate, Φ.
+pub(crate) fn below(z: f64) -> f64 {
+    0.5 + 0.5 * within(z.abs()).copysign(z)
+}
+
+/// The deviate that is not exceeded with this probability, Φ⁻¹.
+pub(crate) fn deviate(probability: f64) -> f64 {
+    let (mut low, mut high) = (0.0, FURTHEST);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if within(middle) < (2.0 * probability - 1.0).abs() { low = middle } else { high = middle }
+    }
+    high.copysign(probability - 0.5)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::within;
+    use super::*;
 
     #[test]
     fn intervals_of_the_normal_distribution_are_those_of_the_tables() {
         // GUM, table G.1.
         for (z, share) in [(0.0, 0.0), (1.0, 0.6827), (1.96, 0.95), (2.576, 0.99), (3.0, 0.9973)] {
             assert!((within(z) - share).abs() < 1e-4, "{z}: {}", within(z));
+        }
+    }
+    #[test]
+    fn a_deviate_and_its_probability_belong_together() {
+        for (z, probability) in [(-1.96, 0.025), (-1.0, 0.158_66), (0.674_49, 0.75), (2.326_35, 0.99)] {
+            assert!((below(z) - probability).abs() < 1e-4, "{z}: {}", below(z));
+            assert!((deviate(probability) - z).abs() < 1e-3, "{probability}: {}", deviate(probability));
         }
     }
 }

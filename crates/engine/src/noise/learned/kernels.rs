@@ -7,14 +7,12 @@
 
 use super::Real;
 use super::field::Axes;
+use super::frame::{Frame, of_axis, of_machine, of_readings};
 use crate::Experiment;
-use crate::noise::machine_noise::{ground_joint, unit_columns};
 use crate::problem::taken::Taken;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
-use trunnion_core::{AxisValues, Joint};
-use trunnion_instruments::Projector;
-use trunnion_machine::Site;
+use std::sync::Arc;
 
 /// The frame of the readings is the first.
 const OF_READINGS: usize = 0;
@@ -43,7 +41,7 @@ pub(crate) struct Kernels {
     pub list: Vec<Kernel>,
     pub frames: Vec<Frame>,
     pub points: usize,
-    pub point_of_row: Vec<usize>,
+    pub point_of_row: Arc<[usize]>,
     pub rows_of_point: Vec<Range<usize>>,
     /// Readings of every point, where all have as many.
     components: Option<usize>,
@@ -98,33 +96,13 @@ pub(crate) enum Over {
     Own,
 }
 
-/// In what a kernel acts.
-pub(crate) struct Frame {
-    /// Row × direction; mean square 1 over the rows.
-    lever: DMatrix<Real>,
-}
-
-impl Frame {
-    /// A column of lever · leverᵀ from row `first` on. The whole is as large as a covariance and as quickly computed as read.
-    pub fn gram(&self, column: usize, first: usize, into: &mut Vec<Real>) {
-        into.clear();
-        into.resize(self.lever.nrows() - first, 0.0);
-        for of_direction in self.lever.as_slice().chunks_exact(self.lever.nrows()) {
-            let here = of_direction[column];
-            if here != 0.0 {
-                into.iter_mut().zip(&of_direction[first..]).for_each(|(sum, lever)| *sum += here * lever);
-            }
-        }
-    }
-}
-
 impl Kernels {
     /// `root`: roots of the weights of the rows; the white part stays 1, the others follow the rows.
     /// `single`: noise of a single reading, in units of the white noise of a row.
     pub fn new(experiment: &Experiment, root: &DVector<f64>, single: f64) -> Self {
         let points = experiment.points.len();
         let rows_of_point: Vec<Range<usize>> = (0..points).map(|i| experiment.rows_of(i)).collect();
-        let point_of_row =
+        let point_of_row: Arc<[usize]> =
             rows_of_point.iter().enumerate().flat_map(|(i, rows)| rows.clone().map(move |_| i)).collect();
         let components = rows_of_point.first().map(Range::len);
         let components = components.filter(|&count| rows_of_point.iter().all(|rows| rows.len() == count));
@@ -177,6 +155,25 @@ impl Kernels {
         kernels
     }
 
+    /// Of points with one reading each: part, pairs and expected size of every kernel.
+    #[cfg(test)]
+    pub fn of_one_channel(kernels: Vec<(Part, DMatrix<Real>, f64)>) -> Self {
+        let points = kernels.first().map_or(0, |(_, pairs, _)| pairs.nrows());
+        let point_of_row: Arc<[usize]> = (0..points).collect();
+        let lever = DMatrix::from_element(points, 1, 1.0);
+        let frames = Frame::new(&lever, points, Arc::clone(&point_of_row)).into_iter().collect();
+        let kernel = |(part, pairs, mean): (Part, DMatrix<Real>, f64)| Kernel {
+            part,
+            frame: OF_READINGS,
+            over: Over::Pairs(pairs),
+            mean_ln: mean.ln(),
+            spread_ln: SPREAD_LN,
+        };
+        let list = kernels.into_iter().map(kernel).collect();
+        let rows_of_point = (0..points).map(|point| point..point + 1).collect();
+        Self { list, frames, points, point_of_row, rows_of_point, components: Some(1), single: 1.0 }
+    }
+
     /// The same kernels on some of the points.
     pub fn on(&self, chosen: &[usize]) -> Self {
         let rows: Vec<usize> = chosen.iter().flat_map(|&point| self.rows_of_point[point].clone()).collect();
@@ -195,9 +192,9 @@ impl Kernels {
                 first..next
             })
             .collect();
-        let point_of_row =
+        let point_of_row: Arc<[usize]> =
             rows_of_point.iter().enumerate().flat_map(|(i, rows)| rows.clone().map(move |_| i)).collect();
-        let frame = |frame: &Frame| Frame { lever: frame.lever.select_rows(&rows) };
+        let frame = |frame: &Frame| frame.on(&rows, chosen.len(), Arc::clone(&point_of_row));
         let list = self.list.iter().map(|kernel| Kernel { over: over(&kernel.over), ..*kernel }).collect();
         Self {
             list,
@@ -223,7 +220,7 @@ impl Kernels {
                 Some(1) => contract::<1>(target, a, &gram),
                 Some(3) => contract::<3>(target, a, &gram),
                 _ => {
-                    for ((a, b), &point) in a.iter().zip(&gram).zip(&self.point_of_row) {
+                    for ((a, b), &point) in a.iter().zip(&gram).zip(self.point_of_row.iter()) {
                         target[point] += a * b;
                     }
                 }
@@ -246,38 +243,22 @@ impl Kernels {
         }
     }
 
-    /// Sums over the rows of each point of lever ∘ v: point × direction.
-    pub fn folded(&self, frame: &Frame, v: &DVector<Real>) -> DMatrix<Real> {
-        let mut sums = DMatrix::zeros(self.points, frame.lever.ncols());
-        for (row, &point) in self.point_of_row.iter().enumerate() {
-            for k in 0..frame.lever.ncols() {
-                sums[(point, k)] += frame.lever[(row, k)] * v[row];
+    /// Cᵀ K_k C of every kernel.
+    pub fn through(&self, columns: &DMatrix<Real>) -> Vec<DMatrix<f64>> {
+        let folded: Vec<Vec<DMatrix<Real>>> =
+            self.frames.iter().map(|frame| frame.folded_columns(columns)).collect();
+        let of_kernel = |kernel: &Kernel| {
+            let mut sum = DMatrix::zeros(columns.ncols(), columns.ncols());
+            for of_direction in &folded[kernel.frame] {
+                let product = match &kernel.over {
+                    Over::Own => of_direction.transpose() * of_direction,
+                    Over::Pairs(pairs) => of_direction.transpose() * (pairs * of_direction),
+                };
+                sum += product.cast::<f64>();
             }
-        }
-        sums
-    }
-
-    /// The same of several columns: point × column for each direction.
-    pub fn folded_columns(&self, frame: &Frame, columns: &DMatrix<f64>) -> Vec<DMatrix<f64>> {
-        let of_direction = |k: usize| {
-            let mut sums = DMatrix::zeros(self.points, columns.ncols());
-            for (row, &point) in self.point_of_row.iter().enumerate() {
-                let lever = f64::from(frame.lever[(row, k)]);
-                for j in 0..columns.ncols() {
-                    sums[(point, j)] += lever * columns[(row, j)];
-                }
-            }
-            sums
+            (&sum + sum.transpose()) * 0.5
         };
-        (0..frame.lever.ncols()).map(of_direction).collect()
-    }
-
-    /// Back to rows: lever · values of the row's point.
-    pub fn unfolded(&self, frame: &Frame, values: &DMatrix<Real>) -> DVector<Real> {
-        let of_row = |(row, &point): (usize, &usize)| {
-            (0..frame.lever.ncols()).map(|k| frame.lever[(row, k)] * values[(point, k)]).sum::<Real>()
-        };
-        DVector::from_iterator(self.point_of_row.len(), self.point_of_row.iter().enumerate().map(of_row))
+        self.list.iter().map(of_kernel).collect()
     }
 
     /// ln of what is expected of every size.
@@ -312,12 +293,11 @@ impl<'a> In<'a> {
     /// No kernel is added where the frame moves no reading.
     fn frame(kernels: &'a mut Kernels, mut lever: DMatrix<f64>, root: &DVector<f64>) -> Self {
         lever.column_iter_mut().for_each(|mut column| column.component_mul_assign(root));
-        let size = lever.norm() / (lever.nrows() as f64).sqrt();
-        if size < 1e-9 {
-            return Self { kernels, frame: None };
-        }
-        kernels.frames.push(Frame { lever: (lever / size).cast::<Real>() });
-        let frame = Some(kernels.frames.len() - 1);
+        let frame = Frame::new(&lever, kernels.points, Arc::clone(&kernels.point_of_row));
+        let frame = frame.map(|frame| {
+            kernels.frames.push(frame);
+            kernels.frames.len() - 1
+        });
         Self { kernels, frame }
     }
 
@@ -359,42 +339,4 @@ fn same_group(group: &[usize]) -> DMatrix<Real> {
 
 fn count(groups: &[usize]) -> u32 {
     groups.iter().max().map_or(0, |most| *most as u32 + 1)
-}
-
-/// Each component of a reading by itself, alike in all instruments that read it.
-fn of_readings(experiment: &Experiment) -> DMatrix<f64> {
-    let names: Vec<&str> = experiment
-        .points
-        .iter()
-        .enumerate()
-        .flat_map(|(i, point)| {
-            let components = experiment.scene.setups[point.state.setup].components;
-            components.iter().copied().take(experiment.rows_of(i).len())
-        })
-        .collect();
-    let mut distinct: Vec<&str> = names.clone();
-    distinct.sort_unstable();
-    distinct.dedup();
-    DMatrix::from_fn(names.len(), distinct.len(), |row, k| f64::from(names[row] == distinct[k]))
-}
-
-/// Displacement of the tool against the table along the axes of the machine.
-fn of_machine(experiment: &Experiment) -> DMatrix<f64> {
-    let (ground, _) = ground_joint(experiment.machine(), &AxisValues::default());
-    DMatrix::from_columns(&[0, 1, 2].map(|k| unit_columns(experiment, ground, k)))
-}
-
-/// The angle at which an axis stops.
-fn of_axis(experiment: &Experiment, letter: Joint) -> DMatrix<f64> {
-    let mut lever = DMatrix::zeros(experiment.rows(), 1);
-    let Some(axis) = experiment.machine().axis(letter) else { return lever };
-    for (i, point) in experiment.points.iter().enumerate() {
-        let setup = &experiment.setups[point.state.setup];
-        let projector = Projector::new(experiment.machine(), setup, &point.state);
-        let seen = projector.column(Site::Joint(letter), &axis.positioning_twist());
-        for (k, row) in experiment.rows_of(i).enumerate() {
-            lever[(row, 0)] = seen[k];
-        }
-    }
-    lever
 }

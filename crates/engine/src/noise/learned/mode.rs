@@ -6,15 +6,16 @@
 //! ln p(y | model) = L(x̂) − ½ ln|H(x̂)| + const                              [Gilmour 1995]
 
 use super::Real;
-use super::kernels::{Frame, Kernels, Over};
+use super::frame::Frame;
+use super::kernels::{Kernels, Over};
 use super::sigma::{Projected, Sigma};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 
 /// Longest step in any logarithm: a factor of 4.5 in size.
-const LONGEST_STEP: f64 = 1.5;
+pub(super) const LONGEST_STEP: f64 = 1.5;
 /// What a step that does not raise the posterior is multiplied by.
-const SHORTER: f64 = 0.35;
+pub(super) const SHORTER: f64 = 0.35;
 /// A step that loses less than this is accepted: rounding of the posterior in single precision.
 const ROUNDING_LN: f64 = 1e-2;
 /// Added to the information: ln s alone has no prior.
@@ -56,21 +57,8 @@ pub(crate) struct Mode {
     pub posterior: f64,
     /// ln|H(x̂)|.
     pub log_information: f64,
-    /// What the readings say of every kernel there.
-    pub seen: Vec<Seen>,
-    /// H(x̂).
-    pub information: DMatrix<f64>,
-}
-
-/// What the readings say of the variance v = s²ρ² of one kernel.
-#[derive(Clone, Copy)]
-pub(crate) struct Seen {
-    /// v tr PK.
-    pub trace: f64,
-    /// v yᵀPKPy.
-    pub square: f64,
-    /// Average information of ln ρ, 2v² yᵀPKPKPy.
-    pub information: f64,
+    /// s²ρ_k² tr PK_k of every kernel there.
+    pub traces: Vec<f64>,
 }
 
 impl Mode {
@@ -107,7 +95,7 @@ impl Readings<'_> {
             if start.x[0] < self.least_ln { self.sigma(&self.shown(start.x.clone()))? } else { start };
         let mut here = Projected::new(start, self.y, basis)?;
         let mut posterior = self.posterior(&here);
-        let (mut gradient, mut information, mut seen) = self.slope(&here, basis.ncols());
+        let (mut gradient, mut information, mut traces) = self.slope(&here, basis.ncols());
         for _ in 0..effort.steps {
             let Some(mut step) = self.newton_step(&here, &gradient, &information) else { break };
             if 0.5 * gradient.dot(&step) < effort.gain_ln {
@@ -118,13 +106,12 @@ impl Readings<'_> {
             let climbed = self.climb(&here, posterior, basis, step, promised_ln / effort.gain_ln);
             let Some((next, reached)) = climbed else { break };
             (here, posterior) = (next, reached);
-            (gradient, information, seen) = self.slope(&here, basis.ncols());
+            (gradient, information, traces) = self.slope(&here, basis.ncols());
         }
         let log_information = information
-            .clone()
             .cholesky()
             .map_or(f64::INFINITY, |f| f.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum());
-        Some(Mode { here, posterior, log_information, seen, information })
+        Some(Mode { here, posterior, log_information, traces })
     }
 
     /// Newton's step; without ln s where that is at its least and would fall.
@@ -175,38 +162,37 @@ impl Readings<'_> {
         }
     }
 
-    /// Gradient and average information at one place, and what they say of every kernel.
-    fn slope(&self, here: &Projected, columns: usize) -> (DVector<f64>, DMatrix<f64>, Vec<Seen>) {
+    /// Gradient and average information at one place, and the traces of the kernels.
+    fn slope(&self, here: &Projected, columns: usize) -> (DVector<f64>, DMatrix<f64>, Vec<f64>) {
         let (kernels, x) = (self.kernels, &here.sigma.x);
         let precision = here.precision();
         let rows = self.y.len();
-        let traces: Vec<DMatrix<Real>> =
+        let contracted: Vec<DMatrix<Real>> =
             kernels.frames.iter().map(|frame| kernels.contracted(frame, &precision)).collect();
-        let folded: Vec<DMatrix<Real>> =
-            kernels.frames.iter().map(|frame| kernels.folded(frame, &here.py)).collect();
+        let folded: Vec<DMatrix<Real>> = kernels.frames.iter().map(|frame| frame.folded(&here.py)).collect();
         let mut gradient = DVector::zeros(x.len());
         gradient[0] = here.quadratic - (rows - columns) as f64;
         let mut directions: DMatrix<Real> = DMatrix::zeros(rows, x.len());
         directions.set_column(0, &(self.y * 2.0));
-        let mut of_kernels = Vec::with_capacity(kernels.list.len());
+        let mut traces = Vec::with_capacity(kernels.list.len());
         for (k, kernel) in kernels.list.iter().enumerate() {
             let frame: &Frame = &kernels.frames[kernel.frame];
             let variance = (2.0 * (x[0] + x[1 + k])).exp();
             let (seen, trace) = match &kernel.over {
                 Over::Own => {
-                    let trace = traces[kernel.frame].diagonal().iter().map(|t| f64::from(*t)).sum::<f64>();
-                    (kernels.unfolded(frame, &folded[kernel.frame]), trace)
+                    let trace =
+                        contracted[kernel.frame].diagonal().iter().map(|t| f64::from(*t)).sum::<f64>();
+                    (frame.unfolded(&folded[kernel.frame]), trace)
                 }
                 Over::Pairs(pairs) => {
-                    let seen = kernels.unfolded(frame, &(pairs * &folded[kernel.frame]));
-                    (seen, f64::from(pairs.dot(&traces[kernel.frame])))
+                    let seen = frame.unfolded(&(pairs * &folded[kernel.frame]));
+                    (seen, f64::from(pairs.dot(&contracted[kernel.frame])))
                 }
             };
             let square: f64 =
                 seen.iter().zip(here.py.iter()).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
             gradient[1 + k] = variance * (square - trace) - kernel.precision() * (x[1 + k] - kernel.mean_ln);
-            let (trace, square) = (variance * trace, variance * square);
-            of_kernels.push(Seen { trace, square, information: 0.0 });
+            traces.push(variance * trace);
             directions.set_column(1 + k, &(seen * (2.0 * variance) as Real));
         }
         let mut along = &precision * &directions;
@@ -217,9 +203,8 @@ impl Readings<'_> {
         information = (&information + information.transpose()) * 0.5;
         information[(0, 0)] += RIDGE;
         for (k, kernel) in kernels.list.iter().enumerate() {
-            of_kernels[k].information = information[(1 + k, 1 + k)];
             information[(1 + k, 1 + k)] += kernel.precision() + RIDGE;
         }
-        (gradient, information, of_kernels)
+        (gradient, information, traces)
     }
 }

@@ -1,170 +1,257 @@
-//! What the readings say of the variance of every kernel, once the noise is learned.
+//! What the readings say of the sizes of all kernels together, once the noise is learned.
 //!
-//! A kernel that is seen in n equal directions, of each of which it makes up the share f at the mode v̂, has, with r = v/v̂ and
-//! w = 1 + f (r − 1),
+//! A machine has a part of the noise or has it not, one to one, and the readings say which: without "has it not", parts too small to be
+//! seen would widen every interval of a machine that lacks them. For every choice c of parts that it has, x̂_c the mode of ln ρ of their
+//! kernels and H_c = average information + precision of the prior there,
 //!
-//! ln p(y | r) = −½ n ln w − ½ b (1/w − 1),   n f = v̂ tr PK,   b f = v̂ yᵀPKPy,   f² b = v̂² yᵀPKPKPy
+//! p(z | c) ≈ p(z | x̂_c) p(x̂_c) |R_c|^½ Π_k I_k,   R_c: correlations of H_c⁻¹,   I_k: integral of the density of one size ([`super::size`])
 //!
-//! times the prior of ln ρ; the other kernels at the mode. Unlike the curvature at the mode this knows that a small part may be much
-//! smaller but not much larger. The same holds of all kernels of one part together, whose common factor is r: a machine has the part or
-//! has it not, one to one, and the readings say which. Without "has it not", parts too small to be seen would widen every interval of a
-//! machine that lacks them. Limits: kernels are taken as independent; those that resemble each other are not.
+//! Draws: c by p(z | c); x by normal deviates of correlation R_c, each carried over to the density of its size; weight p(z | x) p(x)/q(x), at
+//! most √n times the mean of all n [Ionides 2008]. Sizes are drawn together because parts resemble each other: drift over a pass looks like
+//! the offset of a pass, and with the others held where they are most probable either would be known far too well. z: the readings,
+//! compressed ([`super::compressed`]).
 
-use super::kernels::{Kernel, Kernels, Part};
-use super::mode::{Mode, Seen};
+use super::Real;
+use super::compressed::{Compressed, variances};
+use super::kernels::{Kernels, Part};
+use super::lattice::places;
+use super::mode::{LONGEST_STEP, Mode, SHORTER};
+use super::size::{Density, OfOne};
+use crate::solve::normal::{below, deviate};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-/// Values of ln ρ: ± 48 twelfths of the standard deviation of its prior about the mode. What lies beyond four weighs nothing.
-const STEPS: i32 = 48;
-const STEP: f64 = 1.0 / 12.0;
-/// A kernel makes up at least this share of what it is seen in: none is seen by rounding alone.
-const LEAST_SHARE: f64 = 1e-6;
+const STEPS: usize = 8;
+/// Expected gain of a step below which it is not made, ln.
+const GAIN_LN: f64 = 0.05;
+/// A step that gains nothing at this share of its length is not made.
+const SHORTEST: f64 = 0.04;
 
-/// Prior probability that a machine has a part.
-const HAS_IT: f64 = 0.5;
-/// A part is never all of what it is seen in: the readings have a white share.
-const MOST_SHARE: f64 = 0.999;
-
-/// Variance of one kernel, in units of the square of those of the readings.
-pub(crate) struct Size {
-    pub part: Part,
-    /// Where the machine has the part: ascending, with the probability of no more.
-    levels: Vec<(f64, f64)>,
-    /// Probability that it has not.
-    absent: f64,
-    pub mean: f64,
+/// One choice of sizes.
+pub(crate) struct Draw {
+    /// Those of all draws add up to 1.
+    pub weight: f64,
+    /// Of the kernels, in units of the square of those of the readings.
+    pub variances: Vec<f64>,
 }
 
-/// Of every kernel.
-pub(crate) fn sizes(mode: &Mode, kernels: &Kernels) -> Vec<Size> {
-    let absent = Part::ALL.map(|part| absent(mode, kernels, part));
-    let of_kernel = |((k, kernel), seen): ((usize, &Kernel), &Seen)| {
-        let densities = Densities::new(seen, mode.x()[1 + k] - kernel.mean_ln, kernel.precision());
-        let at = Part::ALL.iter().position(|part| *part == kernel.part).unwrap_or(0);
-        Size::new(kernel.part, at_mode(mode, k), &densities, absent[at])
+pub(crate) fn draws(mode: &Mode, kernels: &Kernels, y: &DVector<Real>) -> Vec<Draw> {
+    let at_mode = variances(mode);
+    let compressed = Compressed::new(mode, kernels, y);
+    let posterior = Posterior { compressed, kernels, ln_rho: &mode.x()[1..] };
+    let choices = Choices::new(posterior.choices());
+    let of_place = |place: Vec<f64>| {
+        let (first, others) = place.split_first()?;
+        let (choice, ln_share) = choices.at(*first)?;
+        let (x, ln_density) = choice.at(others);
+        let ln = posterior.at(&choice.kernels, &x)? - ln_density - ln_share;
+        let mut variances = vec![0.0; at_mode.len()];
+        choice.kernels.iter().zip(x.iter()).for_each(|(&k, x)| variances[k] = at_mode[k] * (2.0 * x).exp());
+        Some((ln, variances))
     };
-    kernels.list.iter().enumerate().zip(&mode.seen).map(of_kernel).collect()
+    let drawn: Vec<(f64, Vec<f64>)> = places(1 + at_mode.len()).filter_map(of_place).collect();
+    if drawn.is_empty() {
+        // Rounding leaves no covariance but that of the mode.
+        return vec![Draw { weight: 1.0, variances: at_mode }];
+    }
+    let weights = weights(drawn.iter().map(|(ln, _)| *ln));
+    drawn.into_iter().zip(weights).map(|((_, variances), weight)| Draw { weight, variances }).collect()
 }
 
-/// v̂.
-fn at_mode(mode: &Mode, k: usize) -> f64 {
-    (2.0 * (mode.x()[0] + mode.x()[1 + k])).exp()
+/// Weights that add up to 1 from their logarithms, none larger than √n times the mean.
+fn weights(ln: impl Iterator<Item = f64> + Clone) -> Vec<f64> {
+    let most = ln.clone().fold(f64::NEG_INFINITY, f64::max);
+    let mut weights: Vec<f64> = ln.map(|ln| (ln - most).exp()).collect();
+    let largest = weights.iter().sum::<f64>() / (weights.len() as f64).sqrt();
+    weights.iter_mut().for_each(|weight| *weight = weight.min(largest));
+    let sum: f64 = weights.iter().sum();
+    weights.iter_mut().for_each(|weight| *weight /= sum);
+    weights
 }
 
-/// Probability that the machine has not a part.
-fn absent(mode: &Mode, kernels: &Kernels, part: Part) -> f64 {
-    let own: Vec<usize> = (0..kernels.list.len()).filter(|&k| kernels.list[k].part == part).collect();
-    let Some(first) = own.first().map(|&k| &kernels.list[k]) else { return 1.0 };
-    let sum = |of: &dyn Fn(usize) -> f64| own.iter().map(|&k| of(k)).sum::<f64>();
-    let prior = sum(&|k| kernels.list[k].precision());
-    let all = sum(&|k| own.iter().map(|&l| mode.information[(1 + k, 1 + l)]).sum::<f64>()) - prior;
-    let seen = Seen {
-        trace: sum(&|k| mode.seen[k].trace),
-        square: sum(&|k| mode.seen[k].square),
-        information: all.max(0.0),
-    };
-    let expected = sum(&|k| (2.0 * (mode.x()[0] + kernels.list[k].mean_ln)).exp());
-    let off = 0.5 * (sum(&|k| at_mode(mode, k)) / expected).ln();
-    let densities = Densities::new(&seen, off, first.precision());
-    let without = (1.0 - HAS_IT) * densities.of_none;
-    without / (without + HAS_IT * densities.mean_likelihood)
+/// All choices of parts, with the probability of each.
+struct Choices(Vec<(Choice, f64)>);
+
+/// A choice of parts at its mode.
+struct Choice {
+    kernels: Vec<usize>,
+    /// x̂: ln ρ of those less ln ρ̂ of all kernels together.
+    x: DVector<f64>,
+    densities: Vec<Density>,
+    correlation: Cholesky<f64, Dyn>,
+    /// ln p(z | c), but for a constant.
+    ln_evidence: f64,
 }
 
-/// p(y | r) p(r) for r from small to large, but for a constant: the largest likelihood is 1, for those of many readings are beyond any number.
-struct Densities {
-    of_ratio: Vec<(f64, f64)>,
-    /// p(y | r = 0) and the mean of p(y | r) over the prior.
-    of_none: f64,
-    mean_likelihood: f64,
+struct Posterior<'a> {
+    compressed: Compressed,
+    kernels: &'a Kernels,
+    /// ln ρ̂.
+    ln_rho: &'a [f64],
 }
 
-impl Densities {
-    /// `off`: ln ρ̂ − mean of its prior.
-    fn new(seen: &Seen, off: f64, precision: f64) -> Self {
-        let share = 0.5 * seen.information / seen.square.max(f64::MIN_POSITIVE);
-        let share = share.clamp(LEAST_SHARE, MOST_SHARE);
-        let (n, b) = (seen.trace / share, seen.square / share);
-        let ln_likelihood = |ratio: f64| {
-            let w = 1.0 + share * (ratio - 1.0);
-            -0.5 * (n * w.ln() + b * (w.recip() - 1.0))
+impl Choices {
+    fn new(choices: Vec<Choice>) -> Self {
+        let most = choices.iter().map(|choice| choice.ln_evidence).fold(f64::NEG_INFINITY, f64::max);
+        let whole: f64 = choices.iter().map(|choice| (choice.ln_evidence - most).exp()).sum();
+        let share = |choice: Choice| {
+            let share = (choice.ln_evidence - most).exp() / whole;
+            (choice, share)
         };
-        let spread = precision.sqrt().recip();
-        let ln_ratio = |step: i32| f64::from(step) * spread * STEP;
-        let ratios = (-STEPS..=STEPS).map(|step| (2.0 * ln_ratio(step)).exp());
-        let largest = ratios.map(ln_likelihood).fold(ln_likelihood(0.0), f64::max);
-        let likelihood = |ratio: f64| (ln_likelihood(ratio) - largest).exp();
-        let (mut of_prior, mut sum) = (0.0, 0.0);
-        let of_ratio = (-STEPS..=STEPS).map(|step| {
-            let ln = ln_ratio(step);
-            let (ratio, prior) = ((2.0 * ln).exp(), (-0.5 * precision * (off + ln).powi(2)).exp());
-            let density = prior * likelihood(ratio);
-            (of_prior, sum) = (of_prior + prior, sum + density);
-            (ratio, density)
+        Self(choices.into_iter().map(share).collect())
+    }
+
+    /// The choice at a place between 0 and 1, and ln of its probability.
+    fn at(&self, mut place: f64) -> Option<(&Choice, f64)> {
+        let is_it = |(_, share): &&(Choice, f64)| {
+            place -= share;
+            place < 0.0
+        };
+        let found = self.0.iter().find(is_it).or(self.0.last());
+        found.map(|(choice, share)| (choice, share.ln()))
+    }
+}
+
+impl Choice {
+    /// Sizes at a place of the unit cube, and ln of their density without √2π to their number.
+    fn at(&self, place: &[f64]) -> (DVector<f64>, f64) {
+        let places = place.iter().take(self.x.len()).map(|place| deviate(*place));
+        let z = DVector::from_iterator(self.x.len(), places);
+        let root = self.correlation.l_dirty();
+        let mut together = DVector::zeros(z.len());
+        for i in 0..z.len() {
+            together[i] = root.view((i, 0), (1, i + 1)).transpose().dot(&z.rows(0, i + 1));
+        }
+        // q(x) = N(ζ; 0, R)/Π N(ζ_k; 0, 1) · Π q_k(x_k),   ζ = L z
+        let ln_root: f64 = root.diagonal().iter().map(|d| d.ln()).sum();
+        let mut ln_density = 0.5 * (together.norm_squared() - z.norm_squared()) - ln_root;
+        let x = DVector::from_fn(z.len(), |k, _| {
+            let (off, density) = self.densities[k].quantile(below(together[k]));
+            ln_density += density.ln() + 0.5 * (2.0 * std::f64::consts::PI).ln();
+            self.x[k] + off
         });
-        let of_ratio = of_ratio.collect();
-        // The prior has the integral σ √(2π), in steps of σ · STEP.
-        let whole = (2.0 * std::f64::consts::PI).sqrt() / STEP;
-        Self { of_ratio, of_none: likelihood(0.0), mean_likelihood: sum / whole.max(of_prior) }
+        (x, ln_density)
     }
 }
 
-impl Size {
-    fn new(part: Part, at_mode: f64, densities: &Densities, absent: f64) -> Self {
-        let total: f64 = densities.of_ratio.iter().map(|(_, density)| density).sum();
-        let mean = densities.of_ratio.iter().map(|(ratio, density)| ratio * density).sum::<f64>() / total;
-        let mut below = 0.0;
-        let level = |(ratio, density): &(f64, f64)| {
-            below += density / total;
-            (at_mode * ratio, below)
+impl Posterior<'_> {
+    /// Of the parts that there are kernels of; each begins at the mode of one that has a part more.
+    fn choices(&self) -> Vec<Choice> {
+        let has = |part: &Part| self.kernels.list.iter().any(|kernel| kernel.part == *part);
+        let parts: Vec<Part> = Part::ALL.into_iter().filter(has).collect();
+        let mut found: Vec<Option<Choice>> = Vec::new();
+        for absent in 0..1_usize << parts.len() {
+            let is_absent = |part: &Part| {
+                let at = parts.iter().position(|other| other == part);
+                at.is_some_and(|at| absent >> at & 1 == 1)
+            };
+            let kernels: Vec<usize> =
+                (0..self.ln_rho.len()).filter(|&k| !is_absent(&self.kernels.list[k].part)).collect();
+            // The lowest of its bits less: of those before.
+            let more = found.get(absent & absent.wrapping_sub(1)).and_then(Option::as_ref);
+            let start = |k: &usize| {
+                let at =
+                    |more: &Choice| more.kernels.iter().position(|other| other == k).map(|at| more.x[at]);
+                more.and_then(at).unwrap_or(0.0)
+            };
+            let start = DVector::from_iterator(kernels.len(), kernels.iter().map(start));
+            found.push(self.mode(kernels, start));
+        }
+        found.into_iter().flatten().collect()
+    }
+
+    /// r of all kernels where only some are there.
+    fn ratios(&self, kernels: &[usize], x: &DVector<f64>) -> Vec<f64> {
+        let mut ratios = vec![0.0; self.ln_rho.len()];
+        kernels.iter().zip(x.iter()).for_each(|(&k, x)| ratios[k] = (2.0 * x).exp());
+        ratios
+    }
+
+    /// ln ρ less the mean of its prior.
+    fn off(&self, kernel: usize, x: f64) -> f64 {
+        self.ln_rho[kernel] + x - self.kernels.list[kernel].mean_ln
+    }
+
+    /// ln p(z | x) p(x), without √2π to the number of kernels. `None` where rounding leaves no covariance.
+    fn at(&self, kernels: &[usize], x: &DVector<f64>) -> Option<f64> {
+        let here = self.compressed.at(&self.ratios(kernels, x))?;
+        let of_prior = |(&k, x): (&usize, &f64)| {
+            let precision = self.kernels.list[k].precision();
+            0.5 * (precision.ln() - precision * self.off(k, *x).powi(2))
         };
-        let levels = densities.of_ratio.iter().map(level).collect();
-        Self { part, levels, absent, mean: at_mode * mean * (1.0 - absent) }
+        Some(here.log_likelihood + kernels.iter().zip(x.iter()).map(of_prior).sum::<f64>())
     }
 
-    /// The variance that is not exceeded with this probability where the machine has the part.
-    pub fn quantile(&self, probability: f64) -> f64 {
-        let at = self.levels.partition_point(|(_, below)| *below < probability);
-        self.levels[at.min(self.levels.len() - 1)].0
+    /// Newton steps from `x`. `None` where rounding leaves no covariance.
+    fn mode(&self, kernels: Vec<usize>, mut x: DVector<f64>) -> Option<Choice> {
+        let precision = |k: usize| self.kernels.list[kernels[k]].precision();
+        let mut reached = self.at(&kernels, &x)?;
+        let mut steps = 0..STEPS;
+        loop {
+            let ratios = self.ratios(&kernels, &x);
+            let seen = self.compressed.seen(&self.compressed.at(&ratios)?, &ratios, &kernels);
+            let mut information = seen.information.clone();
+            let mut gradient = &seen.squares - &seen.traces;
+            for k in 0..kernels.len() {
+                gradient[k] -= precision(k) * self.off(kernels[k], x[k]);
+                information[(k, k)] += precision(k);
+            }
+            let covariance = information.clone().cholesky()?;
+            let step = covariance.solve(&gradient);
+            let next = match 0.5 * gradient.dot(&step) > GAIN_LN && steps.next().is_some() {
+                true => self.climb(&kernels, &x, reached, step),
+                false => None,
+            };
+            if let Some(next) = next {
+                (x, reached) = next;
+                continue;
+            }
+            let covariance = covariance.inverse();
+            let u = covariance.diagonal().map(f64::sqrt);
+            let density = |k: usize| {
+                let of_one = OfOne {
+                    trace: seen.traces[k],
+                    square: seen.squares[k],
+                    information: seen.information[(k, k)],
+                };
+                let stretch = u[k] * information[(k, k)].sqrt();
+                Density::new(&of_one, self.off(kernels[k], x[k]), precision(k), stretch)
+            };
+            let densities: Vec<Density> = (0..kernels.len()).map(density).collect();
+            let correlation =
+                DMatrix::from_fn(kernels.len(), kernels.len(), |i, j| covariance[(i, j)] / (u[i] * u[j]));
+            let correlation = correlation.cholesky()?;
+            let ln_root: f64 = correlation.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
+            let of_sizes: f64 = densities.iter().map(|density| density.ln_integral).sum();
+            return Some(Choice {
+                ln_evidence: reached + ln_root + of_sizes,
+                kernels,
+                x,
+                densities,
+                correlation,
+            });
+        }
     }
 
-    /// Whether the machine has the part, at a place between 0 and 1 that all kernels of the part share.
-    pub fn is_there(&self, place: f64) -> bool {
-        place >= self.absent
+    /// The longest share of a step that gains.
+    fn climb(
+        &self,
+        kernels: &[usize],
+        x: &DVector<f64>,
+        reached: f64,
+        mut step: DVector<f64>,
+    ) -> Option<(DVector<f64>, f64)> {
+        step *= (LONGEST_STEP / step.amax()).min(1.0);
+        let mut share = 1.0;
+        while share > SHORTEST {
+            let next = x + &step * share;
+            if let Some(gained) = self.at(kernels, &next).filter(|gained| *gained > reached) {
+                return Some((next, gained));
+            }
+            share *= SHORTER;
+        }
+        None
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Many directions of which it makes up nearly all: the chi-square law speaks, E[v] = q/(n − 2) for ln v flat, and the prior is wide.
-    #[test]
-    fn a_kernel_that_is_well_seen_has_the_mean_of_its_likelihood() {
-        let n = 60.0;
-        let seen = Seen { trace: n, square: n, information: 2.0 * n };
-        let size = Size::new(Part::Drift, 2.0, &Densities::new(&seen, 0.0, 0.7), 0.0);
-        assert!((size.mean / 2.0 - n / (n - 2.0)).abs() < 1e-2, "{}", size.mean);
-        assert!(size.quantile(0.02) < size.mean && size.mean < size.quantile(0.98));
-    }
-
-    /// The prior holds a kernel up that the readings do not show in many directions: e^2000 is no number, the size is one all the same.
-    #[test]
-    fn a_size_is_a_number_however_many_readings_speak() {
-        let seen = Seen { trace: 1199.0, square: 0.6, information: 1.2 };
-        let densities = Densities::new(&seen, 0.0, 0.3);
-        let size = Size::new(Part::Drift, 1.0, &densities, 0.0);
-        assert!(size.mean > 0.0 && size.mean < 1.0, "{}", size.mean);
-        assert!((densities.of_none / densities.mean_likelihood).is_finite());
-    }
-
-    /// Nothing seen: the prior alone, E[v] = v̂ exp(2 σ²), and no word about whether the machine has the part.
-    #[test]
-    fn a_kernel_that_is_not_seen_has_the_mean_of_its_prior() {
-        let sigma: f64 = 0.5;
-        // A share of 1e-4 in each of four directions.
-        let seen = Seen { trace: 4e-4, square: 4e-4, information: 8e-8 };
-        let densities = Densities::new(&seen, 0.0, sigma.powi(-2));
-        let size = Size::new(Part::Drift, 1.0, &densities, 0.0);
-        assert!((size.mean / (2.0 * sigma * sigma).exp() - 1.0).abs() < 1e-2, "{}", size.mean);
-        assert!((densities.of_none / densities.mean_likelihood - 1.0).abs() < 1e-2);
-    }
-}
+mod tests;
