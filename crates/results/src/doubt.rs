@@ -43,6 +43,8 @@ pub enum DoubtReason {
     Clock,
     /// Many single readings lie far from their neighbours and were excluded.
     LoneReadings,
+    /// The model names another machine than the runs.
+    OtherMachine,
 }
 
 impl Doubt {
@@ -55,6 +57,17 @@ impl Doubt {
             100.0 * lone as f64 / all as f64
         );
         Self { effect: None, names: Vec::new(), reason: DoubtReason::LoneReadings, words }
+    }
+}
+
+impl Doubt {
+    /// About a model file of one machine that is fitted to runs of another.
+    pub fn other_machine([of_model, of_runs]: [&str; 2]) -> Self {
+        let words = format!(
+            "the model file is of machine {of_model}, the runs were measured on machine {of_runs}. Its effects are fitted to these runs; values \
+             that it fixes or expects are taken as they stand. Name a model file of {of_runs}, or correct the machine in this one."
+        );
+        Self { effect: None, names: Vec::new(), reason: DoubtReason::OtherMachine, words }
     }
 }
 

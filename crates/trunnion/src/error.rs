@@ -220,6 +220,19 @@ pub enum Error {
         /// Its machine.
         found: String,
     },
+    /// A model file of another machine, where its values would be taken for these runs or those of these runs kept in it.
+    #[error(
+        "the model file is of machine \"{model}\", run {run} was measured on machine \"{found}\": values of one machine say nothing of \
+         another. Name a model file of {found}; if both names are of one machine, write `machine = \"{found}\"` into this file"
+    )]
+    ModelOfOtherMachine {
+        /// Machine of the model file.
+        model: String,
+        /// The run.
+        run: String,
+        /// Its machine.
+        found: String,
+    },
     /// Runs to predict without what a value of the model acts on.
     #[error("{run} cannot be predicted: {lacks} Record that too, or fit a model without it")]
     Lacks {

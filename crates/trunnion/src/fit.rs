@@ -125,7 +125,9 @@ impl Fit {
     pub(crate) fn doubts(&self) -> Vec<results::Doubt> {
         let found = doubts(self.experiment.points(), self.model.entries(), self.identification());
         let of_readings = self.experiment.doubts().iter().cloned();
-        of_readings.chain(found.iter().map(results::Doubt::from)).collect()
+        let machines = [self.model.machine(), &self.experiment.machine().name];
+        let of_model = (machines[0] != machines[1]).then(|| results::Doubt::other_machine(machines));
+        of_readings.chain(of_model).chain(found.iter().map(results::Doubt::from)).collect()
     }
 
     /// Measured against predicted, point by point.

@@ -1,6 +1,7 @@
 //! A model with the text of its file, so that what a person wrote into it stays.
 
-use crate::{Error, files};
+use crate::{Error, Experiment, files};
+use std::ffi::OsStr;
 use std::path::Path;
 use trunnion_effects as effects;
 use trunnion_effects::{LadderRow, ModelEffect, Removal};
@@ -60,6 +61,13 @@ impl Model {
         self.entries.effects.iter().map(|entry| entry.id.as_str()).collect()
     }
 
+    /// Name of its machine, as runs call it: of a path that of the file.
+    pub fn machine(&self) -> &str {
+        let named = &self.entries.machine;
+        let file = named.strip_suffix(".toml").map(Path::new).and_then(Path::file_name);
+        file.and_then(OsStr::to_str).unwrap_or(named)
+    }
+
     /// The ladder: what adding each effect did.
     pub fn ladder(&self) -> results::Ladder {
         (&self.entries).into()
@@ -73,6 +81,18 @@ impl Model {
     /// The text of the file.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// Refuses runs of a machine that is not that of the file.
+    pub(crate) fn is_of(&self, runs: &Experiment) -> Result<(), Error> {
+        match runs.runs().iter().find(|run| run.machine.name != self.machine()) {
+            None => Ok(()),
+            Some(run) => Err(Error::ModelOfOtherMachine {
+                model: self.machine().into(),
+                run: run.name.clone(),
+                found: run.machine.name.clone(),
+            }),
+        }
     }
 
     /// With more entries at the end.

@@ -12,7 +12,6 @@
 use crate::values::fitted_run;
 use crate::{Error, Experiment, Fit, Model};
 use nalgebra::{DMatrix, DVector};
-use std::path::Path;
 use trunnion_core::convert::{mm_from_um, um_from_mm};
 use trunnion_core::number::plain;
 use trunnion_core::statistics::COVERAGE_95;
@@ -36,7 +35,11 @@ impl Fit {
     pub fn predict(&self, other: &Experiment) -> Result<results::Prediction, Error> {
         let machine = self.experiment().machine();
         if let Some(run) = other.runs().iter().find(|run| run.machine != *machine) {
-            return Err(other_machine(&machine.name, run));
+            return Err(Error::OtherMachine {
+                fitted: machine.name.clone(),
+                run: run.name.clone(),
+                found: run.machine.name.clone(),
+            });
         }
         predict(self.model().entries(), &self.values(""), other)
     }
@@ -46,8 +49,9 @@ impl Model {
     /// Predicts runs with the values that the model file keeps, as [`Fit::predict`] does with those of a fit.
     ///
     /// # Errors
-    /// A file without values of its effects; as [`Fit::predict`].
+    /// A file of another machine, or without values of its effects; as [`Fit::predict`].
     pub fn predict(&self, runs: &Experiment) -> Result<results::Prediction, Error> {
+        self.is_of(runs)?;
         predict(self.entries(), self.kept()?, runs)
     }
 
@@ -127,31 +131,21 @@ fn has_what_is_kept(
     Err(Error::Lacks { run: experiment.runs.join(", "), lacks: lacks.join(" ") })
 }
 
-fn other_machine(fitted: &str, run: &Run) -> Error {
-    Error::OtherMachine { fitted: fitted.into(), run: run.name.clone(), found: run.machine.name.clone() }
-}
-
 /// Predicts each run of `other` alone.
 fn predict(
     model: &effects::Model,
     values: &FittedValues,
     other: &Experiment,
 ) -> Result<results::Prediction, Error> {
-    // A model names its machine as its file is called.
-    let machine =
-        Path::new(&model.machine).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into());
     let mut runs = Vec::new();
     for run in other.runs() {
-        if run.machine.name != machine {
-            return Err(other_machine(&machine, run));
-        }
         let experiment = trunnion_engine::Experiment::new(std::slice::from_ref(run))?;
         runs.push(predict_run(model, values, &experiment, run)?);
     }
     let taken: Vec<results::Taken> = values.parameters.iter().filter(|p| p.u.is_none()).map(taken).collect();
     Ok(results::Prediction {
         format: results::PredictionFormat::V1,
-        machine,
+        machine: other.machine().name.clone(),
         fitted_runs: values.runs.iter().map(|run| run.name.clone()).collect(),
         fitted_on: values.date.clone(),
         effects: values.effects.clone(),

@@ -44,8 +44,9 @@ impl Fit {
     /// name of who removes it into the model.
     ///
     /// # Errors
-    /// An effect that is not in the model, or is in every model.
+    /// An effect that is not in the model, or is in every model; a model of another machine.
     pub fn remove(&self, effect: &str, date: &str, by: Option<&str>) -> Result<Self, Error> {
+        self.model().is_of(self.experiment())?;
         let entries = self.model().entries();
         let (smaller, fit) = analysis::remove(self.experiment().points(), entries, effect, date)?;
         let held = |id: &str| smaller.effects.iter().any(|entry| entry.id == id);
@@ -68,7 +69,7 @@ impl Fit {
         if base_alone || smaller.model().entries().values().is_some() {
             return Ok(smaller);
         }
-        let model = smaller.model().with_values(&smaller.values(date))?;
+        let model = smaller.keeping(date)?;
         Ok(smaller.with_model(model))
     }
 }
@@ -127,8 +128,9 @@ impl Step {
     /// The same with a date in its ladder rows, and with the values of the fit in the model.
     ///
     /// # Errors
-    /// None that a model written by this program can have.
+    /// A model of another machine than that of the runs: its file would hold values of two.
     pub fn dated(mut self, date: &str) -> Result<Self, Error> {
+        self.after.model().is_of(self.after.experiment())?;
         self.row.date = date.into();
         let mut model = self.after.model().clone();
         for entry in &mut self.entries {

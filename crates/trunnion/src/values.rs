@@ -70,6 +70,15 @@ impl Fit {
         }
     }
 
+    /// The model with these values, as its file is to keep them; `date` goes with them.
+    ///
+    /// # Errors
+    /// A model of another machine than that of the runs: its file would hold values of two.
+    pub fn keeping(&self, date: &str) -> Result<Model, crate::Error> {
+        self.model().is_of(self.experiment())?;
+        self.model().with_values(&self.values(date))
+    }
+
     /// What differs between runs of one kind, parameter by parameter; `None` where no two runs alone determine one. Runs of different
     /// instruments or setups are parts of one measurement: each sees what the others do not, and none says how the next differs.
     pub fn between_runs(&self) -> &[Option<BetweenRuns>] {

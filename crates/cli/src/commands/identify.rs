@@ -93,7 +93,7 @@ fn jointly(args: &Args) -> anyhow::Result<Outcome> {
     let (outcome, experiment) = (loaded.judgement(), loaded.experiment);
     let fit = experiment.fit(&args.model.model(&experiment)?)?;
     if let Some(path) = args.model.model.as_ref().filter(|_| args.keep) {
-        fit.model().with_values(&fit.values(&today()?))?.save(path)?;
+        fit.keeping(&today()?)?.save(path)?;
     }
     let mut answer = fit.identified();
     answer.location_errors = args.notation.map(|notation| fit.location_errors(notation));

@@ -18,6 +18,7 @@ mod losses;
 mod mistakes;
 mod nest;
 mod one_answer;
+mod other_machine;
 mod periods;
 mod plausible;
 mod replayed;
