@@ -4,6 +4,7 @@
 
 use crate::error::ServiceError;
 use crate::found::found;
+use crate::run_record;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -21,6 +22,9 @@ const ENDING: &str = "story.jsonl";
 #[derive(Serialize, Deserialize)]
 struct Head {
     of: Of,
+    /// SHA-256 of every file of the run: a copy is of the same time of writing no more; none where one was gone.
+    #[serde(default)]
+    contents: Vec<Option<String>>,
     found: RunFound,
 }
 
@@ -41,6 +45,10 @@ impl Of {
     }
 }
 
+fn contents(files: &[PathBuf]) -> Vec<Option<String>> {
+    files.iter().map(|file| trunnion::sha256(file).ok()).collect()
+}
+
 fn stamp(file: &Path) -> Option<(u64, u128)> {
     let about = file.metadata().ok()?;
     Some((about.len(), about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?.as_nanos()))
@@ -52,7 +60,7 @@ fn stamp(file: &Path) -> Option<(u64, u128)> {
 /// When it is no JSON.
 pub fn of(files: &[PathBuf], compared: &Compared) -> Result<String, ServiceError> {
     let of = Of::now(files, compared.diagnosed().fit().model().text());
-    let head = Head { of, found: found(compared) };
+    let head = Head { of, contents: contents(files), found: found(compared) };
     Ok(format!("{}{}", to_json_line(&head)?, to_json_line(&compared.story())?))
 }
 
@@ -61,12 +69,12 @@ pub fn of(files: &[PathBuf], compared: &Compared) -> Result<String, ServiceError
 /// # Errors
 /// When the file cannot be written.
 pub fn write(recording: &Path, text: &str) -> Result<(), ServiceError> {
-    Ok(trunnion::files::write_whole(&recording.with_extension(ENDING), text)?)
+    Ok(trunnion::files::write_whole(&path_of(recording), text)?)
 }
 
 /// The kept story of these files by this model, as it was written; `None` where there is none, or it is of others.
 pub fn read(recording: &Path, files: &[PathBuf], model: &str) -> Option<String> {
-    let path = recording.with_extension(ENDING);
+    let path = path_of(recording);
     let mut text = std::fs::read_to_string(&path).ok()?;
     let (head, story) = text.split_once('\n')?;
     let head_now = head_of(&path, head)?;
@@ -76,12 +84,36 @@ pub fn read(recording: &Path, files: &[PathBuf], model: &str) -> Option<String> 
     whole.then(|| text.split_off(begins))
 }
 
-/// The analysis in short, of whatever recordings it was; `None` where nothing is kept.
-pub fn found_in(recording: &Path) -> Option<RunFound> {
-    let path = recording.with_extension(ENDING);
+/// What is kept of the analysis of a recording in short.
+#[derive(Debug, PartialEq)]
+pub enum Kept {
+    /// Nothing.
+    Nothing,
+    /// An analysis of other contents: the recording was replaced since.
+    OfOthers,
+    /// An analysis of this recording, or of one that was removed since.
+    Found(Box<RunFound>),
+}
+
+/// The analysis in short, by whatever model and program it was. Reads the recording where its time of writing is not that of the analysis.
+pub fn found_in(recording: &Path) -> Kept {
+    let Some(Head { of, contents: then, found }) = first_line(recording) else { return Kept::Nothing };
+    let files = run_record::files(recording, &run_record::read(recording).unwrap_or_default());
+    let is_same = || of.files == files.iter().map(|file| stamp(file)).collect::<Vec<_>>();
+    let is_of_it = !recording.exists() || is_same() || then == contents(&files);
+    if is_of_it { Kept::Found(found.into()) } else { Kept::OfOthers }
+}
+
+/// Where the story of a recording is kept.
+pub fn path_of(recording: &Path) -> PathBuf {
+    recording.with_extension(ENDING)
+}
+
+fn first_line(recording: &Path) -> Option<Head> {
+    let path = path_of(recording);
     let mut head = String::new();
     BufReader::new(File::open(&path).ok()?).read_line(&mut head).ok()?;
-    Some(head_of(&path, &head)?.found)
+    head_of(&path, &head)
 }
 
 fn head_of(path: &Path, line: &str) -> Option<Head> {

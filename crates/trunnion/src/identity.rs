@@ -35,7 +35,10 @@ pub(crate) fn of_run(path: &Path, run: &Run) -> Result<RunIdentity, Error> {
 }
 
 /// Hexadecimal SHA-256 of a file.
-pub(crate) fn sha256(path: &Path) -> Result<String, Error> {
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn sha256(path: &Path) -> Result<String, Error> {
     let mut file = File::open(path).map_err(Error::read(path))?;
     let (mut digest, mut chunk) = (Sha256::new(), vec![0; CHUNK]);
     loop {

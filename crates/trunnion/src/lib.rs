@@ -63,6 +63,7 @@ pub use experiment::{Experiment, open, open_all, open_runs, open_with, read, rea
 pub use filing::Filing;
 pub use fit::Fit;
 pub use formed::{Form, open_formed};
+pub use identity::sha256;
 pub use methods::{Attributed, Volumetric, attribute_run, method};
 pub use model::Model;
 pub use step::Step;

@@ -37,7 +37,10 @@ pub struct Runs {
     analyst: PageAnalyst,
     kept: Mutex<VecDeque<KeptAnswer>>,
     lines: Mutex<BTreeMap<PathBuf, (Stamp, RunLine)>>,
-    found: Mutex<BTreeMap<PathBuf, RunFound>>,
+    /// What was found here in a recording as it was then.
+    found: Mutex<BTreeMap<PathBuf, (Stamp, RunFound)>>,
+    /// What the service left of an analysis in files as they were then.
+    written: Mutex<BTreeMap<PathBuf, (Stamps, Option<RunFound>)>>,
     /// What was published last.
     alarms: Mutex<AlarmsNow>,
     /// One analysis at a time: the computer also measures.
@@ -79,6 +82,7 @@ impl Runs {
             kept: Mutex::default(),
             lines: Mutex::default(),
             found: Mutex::default(),
+            written: Mutex::default(),
             alarms: Mutex::default(),
             analysing: Arc::new(Semaphore::new(1)),
             waiting: Arc::new(Semaphore::new(MOST_WAITING)),
@@ -103,10 +107,7 @@ impl Runs {
         let paths = self.paths();
         let mut runs: Vec<RunLine> = paths
             .into_iter()
-            .map(|(name, path)| {
-                let found = lock(&self.found).get(&path).cloned().or_else(|| list::written(&path));
-                RunLine { found, ..self.line(name, path) }
-            })
+            .map(|(name, path)| RunLine { found: self.found(&path), ..self.line(name, path) })
             .collect();
         runs.extend(self.removed().into_iter().map(|(name, path, why)| list::removed(name, &path, why)));
         runs.sort_by(|a, b| (a.began_s, &a.name).cmp(&(b.began_s, &b.name)));
@@ -192,6 +193,21 @@ impl Runs {
         }
     }
 
+    /// What was found in the recording that is there now.
+    fn found(&self, path: &Path) -> Option<RunFound> {
+        let now = stamp(path);
+        if let Some((_, found)) = lock(&self.found).get(path).filter(|(of, _)| *of == now) {
+            return Some(found.clone());
+        }
+        let stamps = Stamps::of(list::written_in(path));
+        if let Some((_, found)) = lock(&self.written).get(path).filter(|(of, _)| *of == stamps) {
+            return found.clone();
+        }
+        let found = list::written(path);
+        lock(&self.written).insert(path.into(), (stamps, found.clone()));
+        found
+    }
+
     fn line(&self, name: String, path: PathBuf) -> RunLine {
         let stamp = stamp(&path);
         if let Some((known, line)) = lock(&self.lines).get(&path)
@@ -267,14 +283,14 @@ impl Runs {
     }
 
     fn answer(&self, recording: PathBuf, asks: Asks) -> Result<Bytes, Refusal> {
-        let stamps = self.stamps(&recording, &asks);
+        let (stamps, before) = (self.stamps(&recording, &asks), stamp(&recording));
         let question = Question { model: self.model_of(&recording), recording, asks };
         let reply = self.analyst.ask(&question).map_err(|why| match why {
             NoAnswer::Failed(why) => Refusal::Failed(why),
             NoAnswer::NotTrusted(why) => Refusal::NotTrusted(why),
         })?;
         let Question { recording, asks, .. } = question;
-        lock(&self.found).insert(recording.clone(), reply.found);
+        lock(&self.found).insert(recording.clone(), (before, reply.found));
         let text = Bytes::from(reply.text);
         if asks.is_kept() {
             let of_run = |answer: &&KeptAnswer| answer.recording == recording;
@@ -310,7 +326,7 @@ impl Runs {
         };
         let files = run_record::files(recording, &run_record::read(recording).unwrap_or_default());
         let text = kept_story::read(recording, &files, model.text())?;
-        lock(&self.found).insert(recording.into(), list::written(recording)?);
+        lock(&self.found).insert(recording.into(), (stamp(recording), list::written(recording)?));
         Some(text.into())
     }
 

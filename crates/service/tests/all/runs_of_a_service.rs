@@ -127,3 +127,29 @@ async fn the_story_of_the_service_is_shown_without_a_second_analysis_until_somet
     std::fs::File::options().append(true).open(&recording).unwrap().set_modified(later).unwrap();
     assert_eq!(page.ask("GET /api/runs/run", "", "").await.0, 422);
 }
+
+#[tokio::test]
+async fn the_list_shows_what_was_found_in_this_recording_and_nothing_of_one_that_it_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = record(&folder.path().join("run.mcap"), points());
+    write_report(&recording, None, "2026-11-23").unwrap();
+    let analysed = std::fs::read(&recording).unwrap();
+    let other = Run { points: points().points.split_off(points().points.len() / 2), ..points() };
+    let replaced = std::fs::read(record(&folder.path().join("other.mcap"), other)).unwrap();
+    std::fs::remove_file(folder.path().join("other.mcap")).unwrap();
+    let runs = Runs::of_folder(folder.path(), None, here());
+    let page = Page::over(runs, folder, Serves::Service, &[], Access::this_computer()).await;
+    let listed = || async { page.json("GET /api/runs", "", "").await["runs"][0]["found"].clone() };
+
+    let found = listed().await;
+    assert_eq!(found["verdict"], "missing-effect", "{found}");
+    std::fs::write(&recording, replaced).unwrap();
+    assert_eq!(listed().await, serde_json::Value::Null);
+    // Asked, it is analysed, and the list has its figures.
+    page.json("GET /api/runs/run", "", "").await;
+    let of_other = listed().await;
+    assert!(of_other["rms_um"].is_number() && of_other != found, "{of_other}");
+    // A copy of what was analysed is written at another time.
+    std::fs::write(&recording, analysed).unwrap();
+    assert_eq!(listed().await, found);
+}

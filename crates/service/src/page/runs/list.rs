@@ -1,7 +1,7 @@
 //! What a list says of a recording: from its header, and from the answers that the service wrote next to it.
 
 use crate::found::in_short;
-use crate::kept_story;
+use crate::kept_story::{self, Kept};
 use crate::run_record::{self, Known};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
@@ -99,9 +99,21 @@ fn began_ns(name: &str) -> Option<i64> {
         .next()
 }
 
-/// What the service found when it was recorded.
+/// What the service found in this recording; `None` where it analysed none, or another that was here before.
 pub fn written(path: &Path) -> Option<RunFound> {
-    kept_story::found_in(path).or_else(|| of_answers(path))
+    match kept_story::found_in(path) {
+        Kept::Found(found) => Some(*found),
+        Kept::Nothing => of_answers(path),
+        // The answers next to it are those of the story.
+        Kept::OfOthers => None,
+    }
+}
+
+/// The files that this depends on.
+pub fn written_in(path: &Path) -> [PathBuf; 4] {
+    let answers = ["identification.json", "diagnosis.json"].map(|ending| path.with_extension(ending));
+    let [fit, diagnosis] = answers;
+    [path.to_owned(), kept_story::path_of(path), fit, diagnosis]
 }
 
 /// The same of the answers that versions without a kept story left.
