@@ -85,6 +85,11 @@ fn look_and_add(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
         if !together.adequate {
             to_do.push("Then diagnose again: a part remains that they do not explain.".into());
         }
+    } else if best.explains_all && !best.adequate {
+        to_do.push(
+            "Then measure there and back, or return to the first pose: an error along an axis that goes one way would read the same."
+                .into(),
+        );
     } else if !best.adequate {
         to_do.push("Then diagnose again: a part remains that it does not explain.".into());
     }

@@ -213,15 +213,15 @@ fn named(diagnosis: &Diagnosis, best: &Candidate) -> Vec<String> {
         goes(diagnosis.residual.rms_um, best.rms_um_after),
         repeatability(diagnosis.residual.noise_um, diagnosis.residual.noise_readings)
     ));
-    sentences.push(match (best.adequate, best.confused_with.is_empty()) {
-        (true, true) => {
+    sentences.push(match (remains(best), best.confused_with.is_empty()) {
+        (None, true) => {
             "Nothing structured remains after it, and nothing else explains these data as well.".into()
         }
-        (true, false) => {
+        (None, false) => {
             "Nothing structured remains after it, but other causes are confounded with it in these data."
                 .into()
         }
-        (false, _) => "It does not explain everything: a part remains.".to_string(),
+        (Some(remains), _) => remains.into(),
     });
     sentences
 }

@@ -105,8 +105,11 @@ pub struct Candidate {
     pub confused_with: Vec<String>,
     /// The measurement that would separate them; empty when it is confused with none.
     pub separate_by: String,
-    /// True when nothing structured remains with it alone.
+    /// True when nothing structured remains with it alone, and no error along an axis would read the same.
     pub adequate: bool,
+    /// True when nothing structured remains with it alone.
+    #[serde(default)]
+    pub explains_all: bool,
     /// The period, where the effect waves along an axis.
     #[serde(default)]
     pub period: Option<Period>,

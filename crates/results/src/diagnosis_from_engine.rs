@@ -54,7 +54,8 @@ impl Candidate {
             parameters: candidate.parameters.iter().map(Parameter::from).collect(),
             confused_with: candidate.confused_with.clone(),
             separate_by: candidate.separate_by.clone(),
-            adequate: candidate.adequate,
+            adequate: candidate.adequate(),
+            explains_all: candidate.explains_all,
             period: candidate.period.as_ref().map(Period::from),
             remarks: candidate
                 .remarks

@@ -187,12 +187,20 @@ pub fn beyond_catalogue(candidate: &Candidate, residual: &Residual) -> String {
         goes(residual.rms_um, candidate.rms_um_after),
         repeatability(residual.noise_um, residual.noise_readings)
     );
-    let remains = match candidate.adequate {
-        true => "Nothing structured remains.",
-        false => "A part remains that it does not explain.",
-    };
+    let remains = remains(candidate).unwrap_or("Nothing structured remains.");
     let remarks = candidate.remarks.iter().map(String::as_str);
     remarks.chain([falls.as_str(), remains]).collect::<Vec<_>>().join(" ")
+}
+
+/// What keeps a candidate from explaining the readings alone; `None` where nothing does.
+pub fn remains(candidate: &Candidate) -> Option<&'static str> {
+    match (candidate.adequate, candidate.explains_all) {
+        (true, _) => None,
+        (false, true) => Some(
+            "Nothing structured remains, but an error along an axis that goes one way would read the same.",
+        ),
+        (false, false) => Some("A part remains that it does not explain."),
+    }
 }
 
 /// Which cause goes with an effect: label and text, for those the catalogue knows.

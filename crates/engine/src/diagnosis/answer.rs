@@ -19,7 +19,6 @@ use crate::diagnosis::verdict::{
 };
 use crate::diagnosis::view::{Item, What, columns_of};
 use crate::diagnosis::words;
-use crate::fit::doubts::Doubt;
 use crate::problem::Problem;
 use crate::spectrum::Wave;
 use nalgebra::DMatrix;
@@ -257,7 +256,7 @@ impl Context<'_> {
             parameters,
             separate_by: words::separate_by(instance, &rivals),
             confused_with: rivals.iter().map(|instance| instance.id()).collect(),
-            adequate: explains_all && differ.is_none() && !doubts.iter().any(Doubt::is_of_another_cause),
+            explains_all: explains_all && differ.is_none(),
             remarks: period.iter().map(Wave::words).chain(no_lag).chain(differ).collect(),
             doubts,
             seen_together: shown.seen_together(&instance.id()).cloned().collect(),

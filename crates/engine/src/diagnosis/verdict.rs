@@ -152,7 +152,7 @@ pub struct Candidate {
     /// The measurement that would separate them; empty when nothing is confused.
     pub separate_by: String,
     /// True when nothing structured is left after adding it alone.
-    pub adequate: bool,
+    pub explains_all: bool,
     /// The period, where the effect waves along an axis.
     pub period: Option<Wave>,
     /// What a person should know of it that no number here says: its period in words, and what else was looked at.
@@ -161,6 +161,13 @@ pub struct Candidate {
     pub doubts: Vec<Doubt>,
     /// Combinations of its parameters that have a value although none of these has, fitted likewise.
     pub seen_together: Vec<Combination>,
+}
+
+impl Candidate {
+    /// Whether it alone explains the data: nothing structured is left, and no doubt names another cause that reads the same.
+    pub fn adequate(&self) -> bool {
+        self.explains_all && !self.doubts.iter().any(Doubt::is_of_another_cause)
+    }
 }
 
 /// A fitted parameter of a candidate.

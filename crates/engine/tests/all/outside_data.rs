@@ -29,7 +29,7 @@ fn where_nothing_is_hidden_nothing_is_claimed() {
 fn the_pull_of_hoses_is_said_to_be_in_no_catalogue_and_gets_an_expression() {
     let diagnosis = diagnosed("points-unnamed", &[]);
     assert_eq!(diagnosis.verdict, Verdict::UnnamedStructure);
-    assert!(diagnosis.candidates.iter().all(|candidate| !candidate.adequate));
+    assert!(diagnosis.candidates.iter().all(|candidate| !candidate.adequate()));
     let formula = diagnosis.formula.unwrap();
     assert_eq!(formula.site, "axis:B");
     assert!(formula.explains_fraction > 0.9, "{}", formula.explains_fraction);
@@ -58,7 +58,7 @@ fn gravity_sag_is_found_first() {
     assert_eq!(diagnosis.candidates[0].effect, "gravity-sag:B");
     assert!(diagnosis.candidates[0].holdout_rms_um_after.unwrap() < diagnosis.residual.rms_um);
     assert_eq!(set(&diagnosis), ["gravity-sag:B"]);
-    assert!(diagnosis.candidates[0].adequate);
+    assert!(diagnosis.candidates[0].adequate());
 }
 
 /// A reading of a metre, or the overflow mark of an instrument, is left out of the fit. It decided the diagnosis all the same: another
@@ -80,7 +80,7 @@ fn one_wild_reading_decides_nothing() {
             with.evidence,
             without.evidence
         );
-        assert_eq!(with.adequate, without.adequate);
+        assert_eq!(with.adequate(), without.adequate());
     }
 }
 
@@ -143,7 +143,7 @@ fn backlash_and_drift_are_found_one_after_the_other() {
     // Next to the other each is worth its name.
     let stands = |one: &Candidate| one.evidence * LN_10 > Options::default().claim_ln;
     assert!(both.candidates.iter().filter(|one| truth.contains(&one.effect.as_str())).all(stands));
-    assert!(both.candidates.iter().all(|one| one.rms_um_after > 2.0 * together.rms_um && !one.adequate));
+    assert!(both.candidates.iter().all(|one| one.rms_um_after > 2.0 * together.rms_um && !one.adequate()));
     for id in truth {
         assert!(together.parameters.iter().any(|p| p.effect == id && p.u.is_some()), "{together:?}");
     }

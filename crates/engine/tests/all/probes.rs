@@ -30,7 +30,7 @@ fn curved_probes_have_their_name_and_their_curvatures() {
         assert_eq!(found.verdict, Verdict::MissingEffect, "{curvatures:?}: {}", found.why);
         assert_eq!(set(&found), ["probe-nonlinearity"], "{curvatures:?}");
         let candidate = found.candidates.iter().find(|c| c.effect == "probe-nonlinearity").unwrap();
-        assert!(candidate.adequate, "{curvatures:?}");
+        assert!(candidate.adequate(), "{curvatures:?}");
         for (name, put_in) in ["x", "y", "z"].into_iter().zip(curvatures) {
             let fitted = candidate.parameters.iter().find(|parameter| parameter.name == name).unwrap();
             let (value, u) = fitted.value.zip(fitted.u).expect("seen in this cycle");

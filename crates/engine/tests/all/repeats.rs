@@ -101,7 +101,7 @@ fn a_small_cause_is_adequate_only_where_repeats_say_what_noise_is() {
         let [cause] = &found.candidates[..] else { panic!("{:?}", found.candidates) };
         assert_eq!(cause.effect, "axial-error-motion:C");
         assert!(cause.rms_um_after.powi(2) > 0.7 * found.residual.rms_um.powi(2));
-        assert_eq!(cause.adequate, count > 1, "{}", found.why);
+        assert_eq!(cause.adequate(), count > 1, "{}", found.why);
         let is_asked = found.why.contains("no pose was measured twice") && found.next_cycle.is_some();
         assert_eq!(is_asked, count == 1, "{}", found.why);
     }

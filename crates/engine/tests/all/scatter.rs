@@ -71,7 +71,7 @@ fn positions_that_scatter_leave_the_answer_as_it_is() {
         assert!((noise_um - 0.3).abs() < 0.05, "{seed}: repeatability {noise_um} µm, put in 0.3");
         let sag = diagnosed(stopped_elsewhere(points_run("points-gravity"), seed));
         assert_eq!(sag.candidates[0].effect, "gravity-sag:B", "{seed}");
-        assert!(sag.candidates[0].adequate, "{seed}");
+        assert!(sag.candidates[0].adequate(), "{seed}");
     }
 }
 

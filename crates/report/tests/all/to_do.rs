@@ -186,6 +186,25 @@ fn a_cause_is_not_looked_for_alone_where_others_are_confounded_with_it_or_a_part
     assert!(said.iter().any(|item| item.contains("a part remains")), "{said:?}");
 }
 
+/// A course in time that explains all, on a line that was measured one way.
+#[test]
+fn where_an_error_along_an_axis_would_read_the_same_nobody_says_that_a_part_remains() {
+    let drift = Candidate { effect: "thermal-drift".into(), explains_all: true, ..Candidate::default() };
+    let diagnosis = Some(Diagnosis { candidates: vec![drift], ..verdict(Verdict::MissingEffect) });
+    let input = Comparison { diagnosis, ..Comparison::default() };
+    let said = story(&input);
+    for text in [said.wrong.join(" "), said.to_do.join(" "), diagnosis_text(&input), compare_text(&input)] {
+        assert!(text.contains("an error along an axis that goes one way would read the same"), "{text}");
+        assert!(!text.contains("part remains"), "{text}");
+    }
+    for language in [Language::German, Language::Japanese] {
+        let of_axis = said.wrong.iter().chain(&said.to_do).filter(|one| one.contains("goes one way"));
+        for sentence in of_axis {
+            assert!(language.say(sentence).is_some(), "{sentence}");
+        }
+    }
+}
+
 #[test]
 fn an_effect_that_no_table_takes_is_looked_for_at_the_machine() {
     let left = LeftOutEffect { effect: "backlash:C".into(), why: "it depends on the direction of C".into() };

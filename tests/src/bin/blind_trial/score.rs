@@ -102,7 +102,7 @@ pub fn outcome(
     if only_named && found.len() <= wanted.len() && says_the_same(stage, staged, &diagnosis.set) {
         return Outcome::Equivalent;
     }
-    let adequate = diagnosis.candidates.first().is_some_and(|best| best.adequate);
+    let adequate = diagnosis.candidates.first().is_some_and(|best| best.adequate());
     if only_named && adequate { Outcome::Wrong } else { Outcome::Doubted }
 }
 
