@@ -7,6 +7,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 use thiserror::Error;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
@@ -119,6 +120,7 @@ pub struct Handle {
     faults: mpsc::Sender<Fault>,
     can_have: fn(&Fault) -> bool,
     lost_bytes: Arc<AtomicU64>,
+    latest_us: Arc<AtomicU64>,
     stop: CancellationToken,
     task: JoinHandle<()>,
     /// The device that this is the network of.
@@ -133,7 +135,13 @@ impl Handle {
         stop: CancellationToken,
         task: JoinHandle<()>,
     ) -> Self {
-        Self { address, faults, can_have, lost_bytes, stop, task, behind: None }
+        Self { address, faults, can_have, lost_bytes, latest_us: Arc::default(), stop, task, behind: None }
+    }
+
+    /// With what the device notes of how late it was, µs.
+    pub(super) fn noting(mut self, latest_us: Arc<AtomicU64>) -> Self {
+        self.latest_us = latest_us;
+        self
     }
 
     pub(super) fn in_front_of(mut self, device: Handle) -> Self {
@@ -181,6 +189,11 @@ impl Handle {
     /// Bytes the device sent that nobody read in time, or that a fault swallowed.
     pub fn lost_bytes(&self) -> u64 {
         self.lost_bytes.load(Ordering::Relaxed)
+    }
+
+    /// How late a serial device was at most with what it sends on its own: the computer was busy, which no device on a bench is.
+    pub fn latest(&self) -> Duration {
+        Duration::from_micros(self.latest_us.load(Ordering::Relaxed))
     }
 
     /// Switches the device off and waits until its port is gone.

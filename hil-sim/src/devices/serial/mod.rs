@@ -12,7 +12,7 @@ use super::handle::{Address, DeviceError, FAULT_QUEUE, Handle};
 use link::Link;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use tokio::sync::mpsc;
 use tokio_util::sync::CancellationToken;
 
@@ -54,8 +54,11 @@ pub fn spawn<D: SerialDevice>(
     let (commands, commanded) = mpsc::channel(FAULT_QUEUE);
     let faults = FaultSource::new(origin, scheduled, commanded);
     let stop = CancellationToken::new();
-    let task = tokio::spawn(run(name, device, link, origin, faults, stop.clone()));
-    Ok(Handle::new(Address::Port(port.to_owned()), (commands, can_have::<D>), lost_bytes, stop, task))
+    let latest_us = Arc::new(AtomicU64::new(0));
+    let task = tokio::spawn(run(name, device, link, (origin, latest_us.clone()), faults, stop.clone()));
+    let handle =
+        Handle::new(Address::Port(port.to_owned()), (commands, can_have::<D>), lost_bytes, stop, task);
+    Ok(handle.noting(latest_us))
 }
 
 fn can_have<D: SerialDevice>(fault: &Fault) -> bool {
@@ -66,7 +69,7 @@ async fn run(
     name: &'static str,
     mut device: impl SerialDevice,
     mut link: Link,
-    origin: TimeOrigin,
+    (origin, latest_us): (TimeOrigin, Arc<AtomicU64>),
     mut faults: FaultSource,
     stop: CancellationToken,
 ) {
@@ -105,6 +108,8 @@ async fn run(
             },
             () = at(due_s) => {
                 let now_s = origin.now_s();
+                let late_s = due_s.map_or(0.0, |due_s| now_s - due_s);
+                latest_us.fetch_max((1e6 * late_s) as u64, Ordering::Relaxed);
                 let bytes = device.send_due(now_s);
                 link.send(&bytes, now_s);
             }
