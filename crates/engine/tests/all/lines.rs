@@ -68,6 +68,7 @@ fn a_drift_on_a_line_measured_one_way_may_be_an_error_along_the_axis() {
         assert_eq!(drift.effect, "thermal-drift");
         let is_it = |doubt: &Doubt| matches!(doubt.reason, DoubtReason::PlaceAndTime { joint: X });
         assert_eq!((drift.doubts.iter().any(is_it), drift.adequate()), (is_open, !is_open), "{drift:?}");
+        assert!(drift.explains_all, "{drift:?}");
     }
 }
 
