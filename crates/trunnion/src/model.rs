@@ -1,8 +1,9 @@
 //! A model with the text of its file, so that what a person wrote into it stays.
 
-use crate::{Error, Experiment, files};
+use crate::{Error, files};
 use std::ffi::OsStr;
 use std::path::Path;
+use trunnion_cycles::Run;
 use trunnion_effects as effects;
 use trunnion_effects::{LadderRow, ModelEffect, Removal};
 use trunnion_results as results;
@@ -84,8 +85,8 @@ impl Model {
     }
 
     /// Refuses runs of a machine that is not that of the file.
-    pub(crate) fn is_of(&self, runs: &Experiment) -> Result<(), Error> {
-        match runs.runs().iter().find(|run| run.machine.name != self.machine()) {
+    pub(crate) fn is_of(&self, runs: &[Run]) -> Result<(), Error> {
+        match runs.iter().find(|run| run.machine.name != self.machine()) {
             None => Ok(()),
             Some(run) => Err(Error::ModelOfOtherMachine {
                 model: self.machine().into(),

@@ -51,7 +51,7 @@ impl Model {
     /// # Errors
     /// A file of another machine, or without values of its effects; as [`Fit::predict`].
     pub fn predict(&self, runs: &Experiment) -> Result<results::Prediction, Error> {
-        self.is_of(runs)?;
+        self.is_of(runs.runs())?;
         predict(self.entries(), self.kept()?, runs)
     }
 

@@ -46,7 +46,7 @@ impl Fit {
     /// # Errors
     /// An effect that is not in the model, or is in every model; a model of another machine.
     pub fn remove(&self, effect: &str, date: &str, by: Option<&str>) -> Result<Self, Error> {
-        self.model().is_of(self.experiment())?;
+        self.model().is_of(self.experiment().runs())?;
         let entries = self.model().entries();
         let (smaller, fit) = analysis::remove(self.experiment().points(), entries, effect, date)?;
         let held = |id: &str| smaller.effects.iter().any(|entry| entry.id == id);
@@ -130,7 +130,7 @@ impl Step {
     /// # Errors
     /// A model of another machine than that of the runs: its file would hold values of two.
     pub fn dated(mut self, date: &str) -> Result<Self, Error> {
-        self.after.model().is_of(self.after.experiment())?;
+        self.after.model().is_of(self.after.experiment().runs())?;
         self.row.date = date.into();
         let mut model = self.after.model().clone();
         for entry in &mut self.entries {

@@ -75,7 +75,7 @@ impl Fit {
     /// # Errors
     /// A model of another machine than that of the runs: its file would hold values of two.
     pub fn keeping(&self, date: &str) -> Result<Model, crate::Error> {
-        self.model().is_of(self.experiment())?;
+        self.model().is_of(self.experiment().runs())?;
         self.model().with_values(&self.values(date))
     }
 
