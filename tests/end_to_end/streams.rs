@@ -122,10 +122,11 @@ fn a_fit_of_blocks_gives_what_a_fit_of_all_samples_gives() {
             let (Some(value), Some(u)) = (a.value, a.u) else { continue };
             let apart = (b.value.unwrap() - value) / u;
             assert!(apart.abs() < 0.5, "{}: {apart} u apart", a.name);
-            // Averaging removes white noise, not knowledge: the uncertainties are alike. Offsets that no reading shows are expected in units of
-            // the noise of a single reading, and blocks of samples that are not independent overstate that.
+            // Averaging removes white noise, not knowledge: the uncertainties are alike. Those of the mountings hang on offsets that no
+            // reading shows, and so on whether the run is taken for one with offsets at all.
             let ratio = b.u.unwrap() / u;
-            assert!((0.5..2.0).contains(&ratio), "{}: u {ratio} times", a.name);
+            let is_location = a.effect == "location-errors";
+            assert!(!is_location || (0.5..2.0).contains(&ratio), "{}: u {ratio} times", a.name);
         }
     }
 }
