@@ -22,7 +22,7 @@ const ENDING: &str = "story.jsonl";
 #[derive(Serialize, Deserialize)]
 struct Head {
     of: Of,
-    /// SHA-256 of every file of the run: a copy is of the same time of writing no more; none where one was gone.
+    /// SHA-256 of every file of the run, which a copy keeps and its time of writing does not; `None` for a file that was gone.
     #[serde(default)]
     contents: Vec<Option<String>>,
     found: RunFound,
@@ -98,7 +98,7 @@ pub enum Kept {
 /// The analysis in short, by whatever model and program it was. Reads the recording where its time of writing is not that of the analysis.
 pub fn found_in(recording: &Path) -> Kept {
     let Some(Head { of, contents: then, found }) = first_line(recording) else { return Kept::Nothing };
-    let files = run_record::files(recording, &run_record::read(recording).unwrap_or_default());
+    let files = run_record::files_of(recording);
     let is_same = || of.files == files.iter().map(|file| stamp(file)).collect::<Vec<_>>();
     let is_of_it = !recording.exists() || is_same() || then == contents(&files);
     if is_of_it { Kept::Found(found.into()) } else { Kept::OfOthers }

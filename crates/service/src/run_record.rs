@@ -70,6 +70,11 @@ pub fn files(recording: &Path, record: &RunRecord) -> Vec<PathBuf> {
     std::iter::once(recording.to_owned()).chain(record.parts.iter().map(part)).collect()
 }
 
+/// The same by the record that is kept of it.
+pub fn files_of(recording: &Path) -> Vec<PathBuf> {
+    files(recording, &read(recording).unwrap_or_default())
+}
+
 /// The same with those that it was joined from.
 pub fn every_file(recording: &Path, record: &RunRecord) -> Vec<PathBuf> {
     let mut every = files(recording, record);

@@ -11,7 +11,7 @@
 //! 89 to 100 %.
 
 use crate::fit::identification::Identification;
-use crate::solve::normal::within;
+use crate::fit::mixture::half_width;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use trunnion_core::statistics::COVERAGE_95;
 
@@ -20,8 +20,6 @@ const DECADES: [i32; 2] = [-3, 5];
 const PER_DECADE: i32 = 6;
 /// Variance inflation, the diagonal of the inverse correlation, above which the others nearly determine a parameter [Belsley 1980 §3.2].
 const INFLATION: f64 = 10.0;
-/// Halvings of the interval in which the half width of the mixture lies.
-const HALVINGS: usize = 60;
 
 /// How one parameter differs between runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,17 +134,9 @@ fn differences(runs: &[Estimate]) -> Option<Differences> {
     let total: f64 = weights.iter().sum();
     // In units of C̄: the mean of the runs has 1/k of it.
     let variance_of = |lambda: f64| 1.0 / count + lambda * (1.0 + share_of_mean);
-    let held = |half: f64| {
-        let member =
-            |((lambda, _), weight): (&(f64, f64), &f64)| weight * within(half / variance_of(*lambda).sqrt());
-        levels.iter().zip(&weights).map(member).sum::<f64>() / total
-    };
-    let (mut low, mut high) = (0.0, 4.0 * variance_of(10f64.powi(DECADES[1])).sqrt());
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        (low, high) = if held(middle) < within(COVERAGE_95) { (middle, high) } else { (low, middle) };
-    }
-    let lambda = ((high / COVERAGE_95).powi(2) - 1.0 / count).max(0.0) / (1.0 + share_of_mean);
+    let member = |((lambda, _), weight): (&(f64, f64), &f64)| (variance_of(*lambda).sqrt(), weight / total);
+    let half_width = half_width(&levels.iter().zip(&weights).map(member).collect::<Vec<_>>());
+    let lambda = ((half_width / COVERAGE_95).powi(2) - 1.0 / count).max(0.0) / (1.0 + share_of_mean);
     let variances = typical.diagonal().iter().map(|variance| lambda * variance).collect();
     Some(Differences { runs: runs.len(), variances, share_of_mean })
 }

@@ -79,9 +79,10 @@ pub(crate) fn structured(
     }
     let (noise, mode) = remainder.learn()?;
     let (kernels, unit_mm) = (&remainder.kernels, remainder.unit_mm);
-    let draws = draws(&mode, kernels, &remainder.y);
+    let precision = mode.here.precision();
+    let draws = draws(&mode, &precision, kernels, &remainder.y);
     let white_mm = mode.white() * unit_mm;
-    let white = noise.white.component_mul(&squares(&mode));
+    let white = noise.white.component_mul(&squares(&mode, &precision));
     let (of_nodes, of_white) = sums(known, &remainder.rows, used, &white);
     let cofactor = &known.cofactor;
     let constant = cofactor * (of_white * white_mm.powi(2) + prior_scores(known, fit)) * cofactor;
@@ -102,8 +103,8 @@ pub(crate) fn structured(
 }
 
 /// q: the square of what the noise leaves as white in every row, over what is expected of it.
-fn squares(mode: &Mode) -> DVector<f64> {
-    let expected = mode.here.precision().diagonal();
+fn squares(mode: &Mode, precision: &DMatrix<Real>) -> DVector<f64> {
+    let expected = precision.diagonal();
     let of_all = mode.here.sigma.inverse.diagonal();
     DVector::from_fn(expected.len(), |row, _| match expected[row] > MOST_FITTED * of_all[row] {
         true => f64::from(mode.here.py[row].powi(2) / expected[row]),

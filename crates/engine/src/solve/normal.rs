@@ -40,6 +40,7 @@ mod tests {
             assert!((within(z) - share).abs() < 1e-4, "{z}: {}", within(z));
         }
     }
+
     #[test]
     fn a_deviate_and_its_probability_belong_together() {
         for (z, probability) in [(-1.96, 0.025), (-1.0, 0.158_66), (0.674_49, 0.75), (2.326_35, 0.99)] {

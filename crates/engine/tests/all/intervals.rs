@@ -140,14 +140,14 @@ fn mean(covered: &[(String, f64, f64)]) -> f64 {
     covered.iter().map(|(_, share, _)| share).sum::<f64>() / covered.len() as f64
 }
 
-/// `too_wide`: parameters whose u is known to be up to twice as large as it need be.
-fn check(drift: Drift, too_wide: &[&str]) {
+/// `too_wide`: parameters whose u is known to be larger than it need be; errors are at least this share of it.
+fn check(drift: Drift, (too_wide, least): (&[&str], f64)) {
     let covered = cover(drift, Uncertainties::NoiseParts);
     println!("{covered:.3?}");
     assert_eq!(covered.len(), 8, "the minimum set of location errors has numbers in every draw");
     for (name, share, rms_pull) in &covered {
         assert!(*share > 0.95 - 4.0 * SPREAD, "{name}: {share}");
-        let narrowest = if too_wide.contains(&name.as_str()) { 0.5 } else { 0.75 };
+        let narrowest = if too_wide.contains(&name.as_str()) { least } else { 0.75 };
         assert!((narrowest..1.25).contains(rms_pull), "{name}: errors are {rms_pull} of what u says");
     }
     assert!(mean(&covered) > 0.95 - 2.0 * SPREAD, "{}", mean(&covered));
@@ -160,13 +160,13 @@ fn check(drift: Drift, too_wide: &[&str]) {
 fn intervals_hold_the_truth_when_the_noise_is_white() {
     // Ten minutes do not exclude a drift of a seventh of the noise, and the prior expects one (docs/design/statistics.md §1.1): what an
     // offset moves most has a u that a machine without any drift does not need.
-    check(NONE, &["EX0B", "EZ0B", "EY0C"]);
+    check(NONE, (&["EX0B", "EZ0B", "EY0C"], 0.5));
 }
 
 #[test]
 fn intervals_hold_the_truth_when_the_machine_drifts() {
     // Ten minutes do not exclude offsets of passes next to the drift: errors of EB0B and EA0C are 0.73 of what u says.
-    check(SLOW, &["EB0B", "EA0C"]);
+    check(SLOW, (&["EB0B", "EA0C"], 0.7));
     let covered = cover(SLOW, Uncertainties::Clusters);
     assert!(
         mean(&covered) < 0.95 - 6.0 * SPREAD,

@@ -6,7 +6,7 @@ use crate::found::found;
 use crate::run_record;
 use std::collections::VecDeque;
 use std::io::{BufRead, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc;
 use trunnion::history::{Keeper, changed, next_day};
 use trunnion::page::label;
@@ -87,11 +87,6 @@ fn stamps(question: &Question) -> Stamps {
     Stamps::of(files_of(&question.recording, question.model.clone()))
 }
 
-/// The recordings that hold a run.
-fn run_files(recording: &Path) -> Vec<PathBuf> {
-    run_record::files(recording, &run_record::read(recording).unwrap_or_default())
-}
-
 /// It saves fits, no more.
 fn say_not_kept(keeper: &Keeper<'_>) {
     if let Some(failure) = keeper.not_kept() {
@@ -138,14 +133,14 @@ impl Open {
             Asks::Ladder => to_json_line(&compared.results().ladder),
             Asks::Linear => to_json_line(&diagnosed.linear()?),
             Asks::Change { earlier } => {
-                let files = [earlier, &self.recording].map(|path| run_files(path));
+                let files = [earlier, &self.recording].map(|path| run_record::files_of(path));
                 let mut keeper = Keeper::default();
                 let change = changed(files, fit.model(), &mut keeper)?;
                 say_not_kept(&keeper);
                 to_json_line(&change)
             }
             Asks::NextDay { recordings } => {
-                let runs: Vec<_> = recordings.iter().map(|path| run_files(path)).collect();
+                let runs: Vec<_> = recordings.iter().map(|path| run_record::files_of(path)).collect();
                 let mut keeper = Keeper::default();
                 let forecast = next_day(&runs, Some(fit.model()), &mut keeper);
                 say_not_kept(&keeper);
@@ -156,7 +151,7 @@ impl Open {
             Asks::Filed { by, language, date } => {
                 let filing = Filing { operator: by.clone(), written: date.clone(), ..Filing::default() };
                 let filed = fit.compare().with_losses(&compared.results().losses).with_best();
-                let report = filed.report(&run_files(&self.recording), &filing)?;
+                let report = filed.report(&run_record::files_of(&self.recording), &filing)?;
                 let known = Language::NAMES.into_iter().find(|(code, _)| code == language);
                 Ok(report_html(&report, known.map_or(Language::English, |(_, language)| language)))
             }

@@ -324,7 +324,7 @@ impl Runs {
             Some(path) => Model::load(path).ok()?,
             None => Model::base(&trunnion_record::read_header(recording).ok()?.machine_name),
         };
-        let files = run_record::files(recording, &run_record::read(recording).unwrap_or_default());
+        let files = run_record::files_of(recording);
         let text = kept_story::read(recording, &files, model.text())?;
         lock(&self.found).insert(recording.into(), (stamp(recording), list::written(recording)?));
         Some(text.into())

@@ -20,7 +20,7 @@ pub fn own_model(recording: &Path) -> PathBuf {
 
 /// Every file that the answers of a run come from: recordings, state, own model, and the model that judges a run without one.
 pub fn files_of(recording: &Path, model: Option<PathBuf>) -> Vec<PathBuf> {
-    let recordings = run_record::files(recording, &run_record::read(recording).unwrap_or_default());
+    let recordings = run_record::files_of(recording);
     let others = [run_record::path_of(recording), own_model(recording)];
     recordings.into_iter().chain(others).chain(model).collect()
 }

@@ -60,10 +60,10 @@ pub(super) struct Seen {
 }
 
 impl Compressed {
-    pub fn new(mode: &Mode, kernels: &Kernels, y: &DVector<Real>) -> Self {
-        let precision = mode.here.precision();
+    /// `precision`: P.
+    pub fn new(mode: &Mode, precision: &DMatrix<Real>, kernels: &Kernels, y: &DVector<Real>) -> Self {
         let (rows, variances) = (y.len(), variances(mode));
-        let t = directions(&precision, kernels, &variances);
+        let t = directions(precision, kernels, &variances);
         let mut of_kernels = kernels.through(&t);
         of_kernels.iter_mut().zip(&variances).for_each(|(of_kernel, variance)| *of_kernel *= *variance);
         let mut of_white = DMatrix::identity(t.ncols(), t.ncols());
@@ -88,10 +88,9 @@ impl Compressed {
             }
         }
         let factor = sigma.cholesky()?;
-        let log_det: f64 = factor.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
         let solved = factor.solve(&self.z);
         let of_rest = self.rest.count * w.ln() + self.rest.square / w;
-        let log_likelihood = -0.5 * (log_det + self.z.dot(&solved) + of_rest);
+        let log_likelihood = -0.5 * (factor.ln_determinant() + self.z.dot(&solved) + of_rest);
         Some(Here { factor, solved, w, log_likelihood })
     }
 

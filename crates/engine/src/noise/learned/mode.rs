@@ -108,9 +108,7 @@ impl Readings<'_> {
             (here, posterior) = (next, reached);
             (gradient, information, traces) = self.slope(&here, basis.ncols());
         }
-        let log_information = information
-            .cholesky()
-            .map_or(f64::INFINITY, |f| f.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum());
+        let log_information = information.cholesky().map_or(f64::INFINITY, |factor| factor.ln_determinant());
         Some(Mode { here, posterior, log_information, traces })
     }
 

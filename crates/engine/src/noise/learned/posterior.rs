@@ -12,13 +12,13 @@
 //! compressed ([`super::compressed`]).
 
 use super::Real;
-use super::compressed::{Compressed, variances};
+use super::compressed::{Compressed, Here, variances};
 use super::kernels::{Kernels, Part};
 use super::lattice::places;
 use super::mode::{LONGEST_STEP, Mode, SHORTER};
 use super::size::{Density, OfOne};
 use crate::solve::normal::{below, deviate};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
 const STEPS: usize = 8;
 /// Expected gain of a step below which it is not made, ln.
@@ -34,16 +34,22 @@ pub(crate) struct Draw {
     pub variances: Vec<f64>,
 }
 
-pub(crate) fn draws(mode: &Mode, kernels: &Kernels, y: &DVector<Real>) -> Vec<Draw> {
+/// `precision`: P at the mode.
+pub(crate) fn draws(
+    mode: &Mode,
+    precision: &DMatrix<Real>,
+    kernels: &Kernels,
+    y: &DVector<Real>,
+) -> Vec<Draw> {
     let at_mode = variances(mode);
-    let compressed = Compressed::new(mode, kernels, y);
+    let compressed = Compressed::new(mode, precision, kernels, y);
     let posterior = Posterior { compressed, kernels, ln_rho: &mode.x()[1..] };
     let choices = Choices::new(posterior.choices());
     let of_place = |place: Vec<f64>| {
         let (first, others) = place.split_first()?;
         let (choice, ln_share) = choices.at(*first)?;
         let (x, ln_density) = choice.at(others);
-        let ln = posterior.at(&choice.kernels, &x)? - ln_density - ln_share;
+        let ln = posterior.at(&choice.kernels, &x)?.ln_density - ln_density - ln_share;
         let mut variances = vec![0.0; at_mode.len()];
         choice.kernels.iter().zip(x.iter()).for_each(|(&k, x)| variances[k] = at_mode[k] * (2.0 * x).exp());
         Some((ln, variances))
@@ -77,9 +83,19 @@ struct Choice {
     /// x̂: ln ρ of those less ln ρ̂ of all kernels together.
     x: DVector<f64>,
     densities: Vec<Density>,
-    correlation: Cholesky<f64, Dyn>,
+    /// R = L Lᵀ: L, and ½ ln|R|.
+    root: DMatrix<f64>,
+    ln_root: f64,
     /// ln p(z | c), but for a constant.
     ln_evidence: f64,
+}
+
+/// The posterior at some sizes.
+struct At {
+    ratios: Vec<f64>,
+    here: Here,
+    /// ln p(z | x) p(x), without √2π to the number of kernels.
+    ln_density: f64,
 }
 
 struct Posterior<'a> {
@@ -116,14 +132,9 @@ impl Choice {
     fn at(&self, place: &[f64]) -> (DVector<f64>, f64) {
         let places = place.iter().take(self.x.len()).map(|place| deviate(*place));
         let z = DVector::from_iterator(self.x.len(), places);
-        let root = self.correlation.l_dirty();
-        let mut together = DVector::zeros(z.len());
-        for i in 0..z.len() {
-            together[i] = root.view((i, 0), (1, i + 1)).transpose().dot(&z.rows(0, i + 1));
-        }
+        let together = &self.root * &z;
         // q(x) = N(ζ; 0, R)/Π N(ζ_k; 0, 1) · Π q_k(x_k),   ζ = L z
-        let ln_root: f64 = root.diagonal().iter().map(|d| d.ln()).sum();
-        let mut ln_density = 0.5 * (together.norm_squared() - z.norm_squared()) - ln_root;
+        let mut ln_density = 0.5 * (together.norm_squared() - z.norm_squared()) - self.ln_root;
         let x = DVector::from_fn(z.len(), |k, _| {
             let (off, density) = self.densities[k].quantile(below(together[k]));
             ln_density += density.ln() + 0.5 * (2.0 * std::f64::consts::PI).ln();
@@ -171,41 +182,42 @@ impl Posterior<'_> {
         self.ln_rho[kernel] + x - self.kernels.list[kernel].mean_ln
     }
 
-    /// ln p(z | x) p(x), without √2π to the number of kernels. `None` where rounding leaves no covariance.
-    fn at(&self, kernels: &[usize], x: &DVector<f64>) -> Option<f64> {
-        let here = self.compressed.at(&self.ratios(kernels, x))?;
+    /// `None` where rounding leaves no covariance.
+    fn at(&self, kernels: &[usize], x: &DVector<f64>) -> Option<At> {
+        let ratios = self.ratios(kernels, x);
+        let here = self.compressed.at(&ratios)?;
         let of_prior = |(&k, x): (&usize, &f64)| {
             let precision = self.kernels.list[k].precision();
             0.5 * (precision.ln() - precision * self.off(k, *x).powi(2))
         };
-        Some(here.log_likelihood + kernels.iter().zip(x.iter()).map(of_prior).sum::<f64>())
+        let ln_density = here.log_likelihood + kernels.iter().zip(x.iter()).map(of_prior).sum::<f64>();
+        Some(At { ratios, here, ln_density })
     }
 
     /// Newton steps from `x`. `None` where rounding leaves no covariance.
     fn mode(&self, kernels: Vec<usize>, mut x: DVector<f64>) -> Option<Choice> {
         let precision = |k: usize| self.kernels.list[kernels[k]].precision();
-        let mut reached = self.at(&kernels, &x)?;
+        let mut at = self.at(&kernels, &x)?;
         let mut steps = 0..STEPS;
         loop {
-            let ratios = self.ratios(&kernels, &x);
-            let seen = self.compressed.seen(&self.compressed.at(&ratios)?, &ratios, &kernels);
+            let seen = self.compressed.seen(&at.here, &at.ratios, &kernels);
             let mut information = seen.information.clone();
             let mut gradient = &seen.squares - &seen.traces;
             for k in 0..kernels.len() {
                 gradient[k] -= precision(k) * self.off(kernels[k], x[k]);
                 information[(k, k)] += precision(k);
             }
-            let covariance = information.clone().cholesky()?;
-            let step = covariance.solve(&gradient);
+            let factor = information.clone().cholesky()?;
+            let step = factor.solve(&gradient);
             let next = match 0.5 * gradient.dot(&step) > GAIN_LN && steps.next().is_some() {
-                true => self.climb(&kernels, &x, reached, step),
+                true => self.climb(&kernels, &x, at.ln_density, step),
                 false => None,
             };
             if let Some(next) = next {
-                (x, reached) = next;
+                (x, at) = next;
                 continue;
             }
-            let covariance = covariance.inverse();
+            let covariance = factor.inverse();
             let u = covariance.diagonal().map(f64::sqrt);
             let density = |k: usize| {
                 let of_one = OfOne {
@@ -220,15 +232,10 @@ impl Posterior<'_> {
             let correlation =
                 DMatrix::from_fn(kernels.len(), kernels.len(), |i, j| covariance[(i, j)] / (u[i] * u[j]));
             let correlation = correlation.cholesky()?;
-            let ln_root: f64 = correlation.l_dirty().diagonal().iter().map(|d| d.ln()).sum();
+            let ln_root = 0.5 * correlation.ln_determinant();
             let of_sizes: f64 = densities.iter().map(|density| density.ln_integral).sum();
-            return Some(Choice {
-                ln_evidence: reached + ln_root + of_sizes,
-                kernels,
-                x,
-                densities,
-                correlation,
-            });
+            let ln_evidence = at.ln_density + ln_root + of_sizes;
+            return Some(Choice { kernels, x, densities, root: correlation.unpack(), ln_root, ln_evidence });
         }
     }
 
@@ -237,14 +244,14 @@ impl Posterior<'_> {
         &self,
         kernels: &[usize],
         x: &DVector<f64>,
-        reached: f64,
+        ln_density: f64,
         mut step: DVector<f64>,
-    ) -> Option<(DVector<f64>, f64)> {
+    ) -> Option<(DVector<f64>, At)> {
         step *= (LONGEST_STEP / step.amax()).min(1.0);
         let mut share = 1.0;
         while share > SHORTEST {
             let next = x + &step * share;
-            if let Some(gained) = self.at(kernels, &next).filter(|gained| *gained > reached) {
+            if let Some(gained) = self.at(kernels, &next).filter(|gained| gained.ln_density > ln_density) {
                 return Some((next, gained));
             }
             share *= SHORTER;

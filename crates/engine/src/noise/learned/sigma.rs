@@ -96,7 +96,7 @@ impl Projected {
         let weighted = &sigma.inverse * basis;
         let gram = (basis.transpose() * &weighted).cast::<f64>();
         let factor = ((&gram + gram.transpose()) * 0.5).cholesky()?;
-        let log_det: f64 = factor.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
+        let log_det = factor.ln_determinant();
         let cofactor = factor.inverse();
         let on_basis = weighted.tr_mul(y).cast::<f64>();
         let py = &sigma.inverse * y - &weighted * (&cofactor * on_basis).cast::<Real>();

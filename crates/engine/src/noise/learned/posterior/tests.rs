@@ -107,7 +107,7 @@ fn sizes_of_kernels_that_resemble_each_other_are_drawn_as_they_are_distributed()
         let first: Vec<f64> = std::iter::once(0.0).chain(kernels.means()).collect();
         let mode = readings.learn(&basis, readings.sigma(&first).unwrap(), Effort::FULL).unwrap();
         let exact = exact(&readings, &basis, &mode);
-        let draws = draws(&mode, &kernels, &y);
+        let draws = draws(&mode, &mode.here.precision(), &kernels, &y);
         let drawn =
             said(&kernels, draws.iter().map(|draw| (draw.weight, [draw.variances[0], draw.variances[1]])));
         assert!((drawn.no_offset - exact.no_offset).abs() < 0.12, "{seed}: {drawn:?} instead of {exact:?}");
