@@ -27,7 +27,7 @@ pub fn weigh_all(here: &Projected, columns: &DMatrix<Real>, widths: &[usize]) ->
 /// The same where AᵀPA of the blocks is known.
 pub fn weigh_grams(here: &Projected, columns: &DMatrix<Real>, grams: &[DMatrix<f64>]) -> Vec<Weighed> {
     let on_readings = columns.tr_mul(&here.py).cast::<f64>();
-    let white = here.sigma.x[0].exp();
+    let white = here.sigma.white;
     let mut first = 0;
     let of_block = |gram: &DMatrix<f64>| {
         let of_block = on_readings.rows(first, gram.ncols()).into_owned();

@@ -121,7 +121,7 @@ pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Resu
         },
         verdict,
         why,
-        noise: noise_sizes(scan, found.last.null.x()),
+        noise: noise_sizes(scan, &found.last.null),
         noticeable_um: noticeable_um(scan, &found, options.claim_ln),
         undecided: open_effects(scan, &found).map(open).collect(),
         candidates,

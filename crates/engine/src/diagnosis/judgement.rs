@@ -12,7 +12,8 @@ use crate::diagnosis::verdict::NextCycle;
 use crate::diagnosis::view::What;
 use crate::evidence::{off, turned};
 use crate::fit::identification::{Identification, Repeatability};
-use crate::noise::learned::kernels::{Kernel, Part};
+use crate::noise::learned::kernel::{Kernel, Part};
+use crate::noise::learned::mode::Mode;
 use crate::noise::machine_noise::Order;
 use crate::problem::experiment::Experiment;
 use nalgebra::DMatrix;
@@ -36,11 +37,10 @@ const IMITATED: f64 = 1e-6;
 /// 7 %: ½ ln 4 for each direction in a price of 11 (one direction) to 31 (six).
 const PRICE_OF_SIZE: f64 = 2.0;
 
-/// Sizes at x = (ln s, ln ρ).
-pub fn noise_sizes(scan: &Scan<'_>, x: &[f64]) -> LearnedNoise {
-    let of = |part: Part| size_um(scan, x, |kernel| kernel.part == part);
+pub fn noise_sizes(scan: &Scan<'_>, noise: &Mode) -> LearnedNoise {
+    let of = |part: Part| size_um(scan, noise, |kernel| kernel.part == part);
     LearnedNoise {
-        white_um: white_um(scan, x),
+        white_um: um_from_mm(noise.white() * scan.remainder.unit_mm),
         passes_um: of(Part::Pass),
         stations_um: of(Part::Station),
         drift_um: of(Part::Drift),
@@ -48,14 +48,11 @@ pub fn noise_sizes(scan: &Scan<'_>, x: &[f64]) -> LearnedNoise {
     }
 }
 
-fn white_um(scan: &Scan<'_>, x: &[f64]) -> f64 {
-    um_from_mm(x[0].exp() * scan.remainder.unit_mm)
-}
-
 /// Of some kernels together.
-fn size_um(scan: &Scan<'_>, x: &[f64], is_one: impl Fn(&Kernel) -> bool) -> f64 {
-    let own = scan.remainder.kernels.list.iter().zip(&x[1..]).filter(|(kernel, _)| is_one(kernel));
-    white_um(scan, x) * own.map(|(_, ln)| (2.0 * ln).exp()).sum::<f64>().sqrt()
+fn size_um(scan: &Scan<'_>, noise: &Mode, is_one: impl Fn(&Kernel) -> bool) -> f64 {
+    let own = scan.remainder.kernels.list.iter().zip(&noise.x()[1..]).filter(|(kernel, _)| is_one(kernel));
+    let size = own.map(|(_, ln)| (2.0 * ln).exp()).sum::<f64>().sqrt();
+    um_from_mm(noise.s() * size * scan.remainder.unit_mm)
 }
 
 /// Verdict, its reason and what to measure where nothing is claimed.
@@ -79,13 +76,13 @@ pub fn nothing_claimed(scan: &Scan<'_>, fit: &Identification, found: &Found) -> 
         );
     }
     let (rms_um, noise_um) = (um_from_mm(fit.rms_mm), um_from_mm(repeatability.sigma_mm));
-    let sizes = noise_sizes(scan, found.last.null.x());
+    let sizes = noise_sizes(scan, &found.last.null);
     if comes_back(sizes.pattern_um, repeatability) {
         return pattern(sizes.pattern_um, noise_um);
     }
     // Repeats have these too, so no residual is too large for them; yet what has moved between two stops, whatever angle the axis stops at, and
     // keeps still at each, is no noise of readings.
-    let jumps_um = size_um(scan, found.last.null.x(), Kernel::is_station_of_readings);
+    let jumps_um = size_um(scan, &found.last.null, Kernel::is_station_of_readings);
     if jumps_um > natural_um(scan, sizes.white_um) {
         return jumps(scan.remainder.rows.whole(), jumps_um, sizes.white_um);
     }
@@ -195,7 +192,7 @@ pub fn is_noise_unknown(fit: &Identification, left_mm: f64) -> bool {
 /// True where the pattern that remains next to all that was found, and the scatter from stop to stop, are no larger than natural: what an
 /// effect without a name does at every stop of an axis looks like either. Never where the model with all of it would get no all-clear.
 pub fn remainder_is_natural(scan: &Scan<'_>, fit: &Identification, found: &Found) -> bool {
-    let sizes = noise_sizes(scan, found.last.null.x());
+    let sizes = noise_sizes(scan, &found.last.null);
     let comes_back = |known| comes_back(sizes.pattern_um, known);
     sizes.pattern_um.max(sizes.stations_um) <= natural_um(scan, sizes.white_um)
         && !fit.known_repeatability().is_some_and(comes_back)

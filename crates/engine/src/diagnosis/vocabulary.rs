@@ -161,7 +161,7 @@ impl Vocabulary {
             }
         }
         let seen = pairs * &self.factors;
-        let white = here.sigma.x[0].exp();
+        let white = here.sigma.white;
         let mut scores: Vec<(usize, usize, f64)> = Vec::new();
         for place in self.places.iter().filter(|place| self.acts(place.family, c)) {
             let width = place.columns.len();

@@ -27,7 +27,7 @@ pub fn best_set(here: &Projected, columns: &DMatrix<f64>) -> Option<BestSet> {
     let overlap = scaled.tr_mul(&scaled) / columns.nrows() as f64;
     let gram = here.grams(&single, &[all]).remove(0);
     let on_readings = single.tr_mul(&here.py).cast::<f64>();
-    let white = here.sigma.x[0].exp();
+    let white = here.sigma.white;
     let ln_bf = |set: &[usize]| {
         let within = |of: &DMatrix<f64>| of.select_rows(set).select_columns(set);
         let turn = turn(&within(&overlap), NO_DIRECTION);

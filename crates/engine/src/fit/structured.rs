@@ -22,7 +22,7 @@ use crate::fit::mixture::half_width;
 use crate::fit::sensitivity::Sensitivity;
 use crate::noise::learned::Real;
 use crate::noise::learned::display::Display;
-use crate::noise::learned::kernels::Part;
+use crate::noise::learned::kernel::Part;
 use crate::noise::learned::mode::Mode;
 use crate::noise::learned::posterior::{Draw, draws};
 use crate::noise::learned::remainder::{Fitted, Learned, Remainder};
@@ -81,11 +81,11 @@ pub(crate) fn structured(
     let (kernels, unit_mm) = (&remainder.kernels, remainder.unit_mm);
     let precision = mode.here.precision();
     let draws = draws(&mode, &precision, kernels, &remainder.y);
-    let white_mm = mode.white() * unit_mm;
+    let s_mm = mode.s() * unit_mm;
     let white = noise.white.component_mul(&squares(&mode, &precision));
     let (of_nodes, of_white) = sums(known, &remainder.rows, used, &white);
     let cofactor = &known.cofactor;
-    let constant = cofactor * (of_white * white_mm.powi(2) + prior_scores(known, fit)) * cofactor;
+    let constant = cofactor * (of_white * s_mm.powi(2) + prior_scores(known, fit)) * cofactor;
     let influence = of_nodes * cofactor;
     let constant = constant + of_display(&remainder, &influence, &fit.predicted_mm);
     let influence = influence * unit_mm;
@@ -96,7 +96,7 @@ pub(crate) fn structured(
         let own = (0..kernels.list.len()).filter(|&k| kernels.list[k].part == part);
         unit_mm * own.map(|k| mean_of(&draws, k)).sum::<f64>().sqrt()
     };
-    let white = NoisePart { name: "white", sigma_mm: white_mm };
+    let white = NoisePart { name: "white", sigma_mm: mode.white() * unit_mm };
     let parts = PARTS.map(|(part, name)| NoisePart { name, sigma_mm: sigma_mm(part) });
     let parts = std::iter::once(white).chain(parts.into_iter().filter(|part| part.sigma_mm > 0.0)).collect();
     Some(Structured { covariance, parts, noise })

@@ -11,6 +11,7 @@ mod dense;
 pub(crate) mod display;
 mod field;
 mod frame;
+pub(crate) mod kernel;
 pub(crate) mod kernels;
 mod lattice;
 pub(crate) mod mode;

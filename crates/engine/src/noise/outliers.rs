@@ -1,7 +1,7 @@
 //! Outliers: points far from the rest, excluded from a fit.
 //!
 //! A point is flagged when its residual is longer than 5 robust standard deviations (median length over the median of the
-//! χ distribution). More than two flagged one after the other, as they were taken, are structure that the model lacks, and more
+//! χ distribution; of a channel that scatters more by itself its own). More than two flagged one after the other, as they were taken, are structure that the model lacks, and more
 //! than 6 % flagged means that the model is wrong, not the points: then none is excluded. So is what comes back at its pose: a point
 //! that leaves as much as another visit of its pose is the machine, however far it is from the rest. Hard deletion, iterated by
 //! [`excluded`] until it stays the same.
@@ -50,30 +50,52 @@ fn without_outliers(
     (sequence, poses): (&[usize], &[usize]),
     residual_mm: &DVector<f64>,
 ) -> Vec<bool> {
-    let of_point = |i: usize| residual_mm.rows_range(experiment.rows_of(i));
-    let length = |i: usize| {
-        let of_median = MEDIAN_LENGTH[usize::from(experiment.rows_of(i).len() == 3)];
-        let norm = of_point(i).norm();
-        (norm, norm / of_median)
-    };
-    let lengths: Vec<(f64, f64)> = (0..experiment.points.len()).map(length).collect();
-    let sigma = upper_median(&lengths.iter().map(|(_, in_sigma)| *in_sigma).collect::<Vec<_>>());
-    let sigma = sigma.unwrap_or(0.0).max(FINEST_MM);
-    let is_far = |i: usize| lengths[i].0 > SIGMAS * sigma;
+    let sigma_mm = sigmas_mm(experiment, residual_mm);
+    let in_sigma = residual_mm.component_div(&sigma_mm);
+    let of_point = |i: usize| in_sigma.rows_range(experiment.rows_of(i));
+    let is_far = |i: usize| of_point(i).norm() > SIGMAS;
     let mut far_at: HashMap<usize, Vec<usize>> = HashMap::new();
     (0..poses.len()).filter(|&i| is_far(i)).for_each(|i| far_at.entry(poses[i]).or_default().push(i));
     // Two readings of one error differ by √2 times the scatter of one.
     let comes_back = |i: usize| {
         let others = far_at[&poses[i]].iter().filter(|&&j| j != i);
         let mut apart = others.map(|&j| (of_point(i) - of_point(j)).norm());
-        apart.any(|apart| apart <= SIGMAS * 2f64.sqrt() * sigma)
+        apart.any(|apart| apart <= SIGMAS * 2f64.sqrt())
     };
     let flags: Vec<bool> = sequence.iter().map(|&i| is_far(i) && !comes_back(i)).collect();
-    let mut used = vec![true; lengths.len()];
+    let mut used = vec![true; experiment.points.len()];
     for (&i, far) in sequence.iter().zip(isolated(flags)) {
         used[i] = !far;
     }
     used
+}
+
+/// Robust standard deviation of every row: of all points, and of its own channel where that is larger.
+fn sigmas_mm(experiment: &Experiment, residual_mm: &DVector<f64>) -> DVector<f64> {
+    let points = 0..experiment.points.len();
+    let length_in_sigma = |i: usize| {
+        let rows = experiment.rows_of(i);
+        residual_mm.rows_range(rows.clone()).norm() / MEDIAN_LENGTH[usize::from(rows.len() == 3)]
+    };
+    let lengths: Vec<f64> = points.clone().map(length_in_sigma).collect();
+    let of_all_mm = upper_median(&lengths).unwrap_or(0.0).max(FINEST_MM);
+    // Channels of instruments that read as many.
+    let channel_of_row: Vec<(usize, usize)> = points
+        .map(|i| experiment.rows_of(i).len())
+        .flat_map(|count| (0..count).map(move |k| (count, k)))
+        .collect();
+    let mut of_channels: HashMap<(usize, usize), Vec<f64>> = HashMap::new();
+    for (channel, r) in channel_of_row.iter().zip(residual_mm.iter()) {
+        of_channels.entry(*channel).or_default().push(r.abs());
+    }
+    let of_channels: HashMap<(usize, usize), f64> = of_channels
+        .into_iter()
+        .map(|(channel, sizes)| (channel, upper_median(&sizes).unwrap_or(0.0) / MEDIAN_OF_NORMAL))
+        .collect();
+    DVector::from_iterator(
+        channel_of_row.len(),
+        channel_of_row.iter().map(|channel| of_channels[channel].max(of_all_mm)),
+    )
 }
 
 /// Of the points flagged in the order they were taken those that are no structure; none when there are too many.

@@ -3,7 +3,8 @@
 //! d = second − first visit of the reading, in the order of the first visit; σ² = mean (d_{i+1} − d_i)² / 4. The difference of
 //! differences removes what the two passes have in common or what drifts between them slowly (backlash of the fast axis, thermal
 //! drift). Of the readings, not of a residual: at one commanded pose every error of position and mounting is the same, so no model
-//! enters, and every model of a recording shares one figure. Pairs longer than 5 robust standard deviations are excluded.
+//! enters, and every model of a recording shares one figure. Differences longer than 5 robust standard deviations, of all or of their own
+//! channel where that scatters more, are excluded.
 //!
 //! A pose that an axis comes to from the other side repeats with the backlash of that axis. Where visits from one side differ less than
 //! all visits, by more than chance, they alone say how readings repeat (unidirectional repeatability, ISO 230-2).
@@ -65,8 +66,8 @@ pub(crate) fn of_channels_mm(experiment: &Experiment, passes: &Passes) -> Vec<Op
     let channels = of_sides[1].iter().map(|repeat| repeat.difference_mm.len()).max().unwrap_or(0);
     let of_channel = |channel: usize| {
         of_sides.iter().find_map(|repeats| {
-            let own = differences(repeats).filter(|(k, _)| *k == channel).map(|(_, d)| d);
-            Scatter::of_differences(&own.collect::<Vec<f64>>()).map(|scatter| scatter.sigma_mm)
+            let own = differences(repeats).filter(|(k, _)| *k == channel).map(|(_, d)| d.abs());
+            Scatter::of_channels(std::iter::once(own.collect())).map(|scatter| scatter.sigma_mm)
         })
     };
     (0..channels).map(of_channel).collect()
@@ -83,28 +84,41 @@ fn differences(repeats: &[Repeat]) -> impl Iterator<Item = (usize, f64)> {
 /// How differences scatter.
 struct Scatter {
     sigma_mm: f64,
-    /// Differences that are no outliers.
-    count: usize,
+    /// As many differences of channels that scatter alike say as much [Welch–Satterthwaite, GUM G.4.1].
+    count: f64,
 }
 
 impl Scatter {
     fn of(repeats: &[Repeat]) -> Option<Self> {
-        Self::of_differences(&differences(repeats).map(|(_, d)| d).collect::<Vec<_>>())
+        let channels = repeats.iter().map(|repeat| repeat.difference_mm.len()).max().unwrap_or(0);
+        let of_channel = |channel| differences(repeats).filter(move |(k, _)| *k == channel);
+        Self::of_channels((0..channels).map(|channel| of_channel(channel).map(|(_, d)| d.abs()).collect()))
     }
 
-    fn of_differences(differences_mm: &[f64]) -> Option<Self> {
-        let sizes_mm: Vec<f64> = differences_mm.iter().map(|d| d.abs()).collect();
-        let robust_mm = upper_median(&sizes_mm).unwrap_or(0.0) / MEDIAN_OF_NORMAL;
-        // Coarse readings may repeat exactly at most poses: then no distance is far.
-        let near = sizes_mm.iter().filter(|size| robust_mm == 0.0 || **size <= SIGMAS * robust_mm);
-        let (count, squares) =
-            near.fold((0_usize, 0.0), |(count, squares), size| (count + 1, squares + size * size));
-        (count >= FEWEST).then(|| Self { sigma_mm: (squares / 4.0 / count as f64).sqrt(), count })
+    /// Sizes of differences, channel by channel.
+    fn of_channels(sizes_mm: impl Iterator<Item = Vec<f64>>) -> Option<Self> {
+        let sizes_mm: Vec<Vec<f64>> = sizes_mm.collect();
+        let robust_mm = |sizes_mm: &[f64]| upper_median(sizes_mm).unwrap_or(0.0) / MEDIAN_OF_NORMAL;
+        let of_all_mm = robust_mm(&sizes_mm.concat());
+        let of_channel = |sizes_mm: &Vec<f64>| {
+            let far_mm = SIGMAS * robust_mm(sizes_mm).max(of_all_mm);
+            // Coarse readings may repeat exactly at most poses: then no distance is far.
+            let near = sizes_mm.iter().filter(|size| far_mm == 0.0 || **size <= far_mm);
+            near.fold((0_usize, 0.0), |(count, squares), size| (count + 1, squares + size * size))
+        };
+        let of_channels: Vec<(usize, f64)> = sizes_mm.iter().map(of_channel).collect();
+        let differences: usize = of_channels.iter().map(|(count, _)| count).sum();
+        let squares: f64 = of_channels.iter().map(|(_, squares)| squares).sum();
+        let unlike: f64 =
+            of_channels.iter().map(|(count, squares)| squares.powi(2) / (*count).max(1) as f64).sum();
+        let count = if unlike > 0.0 { squares.powi(2) / unlike } else { differences as f64 };
+        let sigma_mm = (squares / 4.0 / differences as f64).sqrt();
+        (differences >= FEWEST).then_some(Self { sigma_mm, count })
     }
 
     /// Neighbouring differences share a visit: about two thirds as many as differences.
     fn degrees_of_freedom(&self) -> usize {
-        self.count * 2 / 3
+        (self.count * 2.0 / 3.0) as usize
     }
 
     /// By more than chance.

@@ -5,6 +5,7 @@
 mod advice;
 mod all_clear;
 mod beam_tilts;
+mod channels;
 mod common;
 mod excluded_points;
 mod held_out;

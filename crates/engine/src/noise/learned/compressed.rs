@@ -1,4 +1,5 @@
-//! Readings compressed to the directions in which a machine moves more than it scatters.
+//! Readings compressed to the directions in which a machine moves more than it scatters. Kernels of white noise are white here, of the size at the
+//! mode: what a channel scatters is known from as many readings as it has.
 //!
 //! z = Tᵀy,   T = P U,   TᵀX = 0,   TᵀΣ(r)T = Tᵀ(Σ̂ − Σ_k v̂_kK_k)T + Σ_k r_k Tᵀv̂_kK_kT,   r_k = v_k/v̂_k,   TᵀΣ̂T = 1
 //!
@@ -7,7 +8,8 @@
 //! that of all readings. Of the directions left out each is taken to have the same share g_k of every kernel: w = 1 + Σ_k g_k(r_k − 1).
 
 use super::Real;
-use super::kernels::{Kernels, Over};
+use super::kernel::{Kernel, Over};
+use super::kernels::Kernels;
 use super::mode::Mode;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -62,7 +64,10 @@ pub(super) struct Seen {
 impl Compressed {
     /// `precision`: P.
     pub fn new(mode: &Mode, precision: &DMatrix<Real>, kernels: &Kernels, y: &DVector<Real>) -> Self {
-        let (rows, variances) = (y.len(), variances(mode));
+        let of_wandering =
+            |(kernel, variance): (&Kernel, f64)| if kernel.is_white() { 0.0 } else { variance };
+        let variances: Vec<f64> = kernels.list.iter().zip(variances(mode)).map(of_wandering).collect();
+        let rows = y.len();
         let t = directions(precision, kernels, &variances);
         let mut of_kernels = kernels.through(&t);
         of_kernels.iter_mut().zip(&variances).for_each(|(of_kernel, variance)| *of_kernel *= *variance);
@@ -71,8 +76,10 @@ impl Compressed {
         let z = t.tr_mul(y).cast::<f64>();
         let known = mode.here.weighted.ncols() + t.ncols();
         let count = rows.saturating_sub(known).max(1) as f64;
-        let left = |(trace, of_kernel): (&f64, &DMatrix<f64>)| (trace - of_kernel.trace()).max(0.0) / count;
-        let shares: Vec<f64> = mode.traces.iter().zip(&of_kernels).map(left).collect();
+        let left = |((kernel, trace), of_kernel): ((&Kernel, &f64), &DMatrix<f64>)| {
+            if kernel.is_white() { 0.0 } else { (trace - of_kernel.trace()).max(0.0) / count }
+        };
+        let shares: Vec<f64> = kernels.list.iter().zip(&mode.traces).zip(&of_kernels).map(left).collect();
         let white = (1.0 - shares.iter().sum::<f64>()).max(LEAST_WHITE);
         let square = (mode.here.quadratic - z.norm_squared()).max(0.0);
         Self { of_kernels, of_white, z, rest: Rest { count, square, shares, white } }

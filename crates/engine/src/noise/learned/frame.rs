@@ -4,6 +4,7 @@ use super::Real;
 use crate::Experiment;
 use crate::noise::machine_noise::{ground_joint, unit_columns};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 use std::sync::Arc;
 use trunnion_core::{AxisValues, Joint};
 use trunnion_instruments::Projector;
@@ -32,15 +33,24 @@ impl Frame {
         Self { lever: self.lever.select_rows(rows), points, point_of_row }
     }
 
-    /// A column of lever · leverᵀ from row `first` on. The whole is as large as a covariance and as quickly computed as read.
-    pub fn gram(&self, column: usize, first: usize, into: &mut Vec<Real>) {
+    /// A column of lever · leverᵀ on some rows. The whole is as large as a covariance and as quickly computed as read.
+    pub fn gram(&self, column: usize, rows: Range<usize>, into: &mut Vec<Real>) {
         into.clear();
-        into.resize(self.lever.nrows() - first, 0.0);
+        into.resize(rows.len(), 0.0);
         for of_direction in self.lever.as_slice().chunks_exact(self.lever.nrows()) {
             let here = of_direction[column];
             if here != 0.0 {
-                into.iter_mut().zip(&of_direction[first..]).for_each(|(sum, lever)| *sum += here * lever);
+                into.iter_mut()
+                    .zip(&of_direction[rows.clone()])
+                    .for_each(|(sum, lever)| *sum += here * lever);
             }
+        }
+    }
+
+    /// Adds the diagonal of lever · leverᵀ times `by`.
+    pub fn add_squares(&self, by: f64, to: &mut DVector<f64>) {
+        for lever in self.lever.column_iter() {
+            to.zip_apply(&lever, |sum, lever| *sum += by * f64::from(lever).powi(2));
         }
     }
 

@@ -8,18 +8,19 @@
 use super::Real;
 use super::field::Axes;
 use super::frame::{Frame, of_axis, of_machine, of_readings};
+use super::kernel::{Kernel, Over, Part};
 use crate::Experiment;
 use crate::problem::taken::Taken;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The frame of the readings is the first.
-const OF_READINGS: usize = 0;
 /// σ of ln ρ.
 const SPREAD_LN: f64 = 1.2;
 /// The same of angles at which axes stop: maker's data say more of them.
 const SPREAD_OF_ANGLES_LN: f64 = 1.0;
+/// What a channel scatters beyond the quietest one, in units of the white noise of a row: channels of like probes differ by some tenths.
+const OF_CHANNEL: f64 = 0.3;
 /// Correlation times of drift, as shares of the span from four points to the whole run, in logarithms: shorter ones look like
 /// white noise, longer ones like a constant.
 const DRIFT_OF_READINGS: [f64; 3] = [0.0, 0.5, 1.0];
@@ -49,53 +50,6 @@ pub(crate) struct Kernels {
     pub single: f64,
 }
 
-/// One kernel.
-pub(crate) struct Kernel {
-    pub part: Part,
-    pub frame: usize,
-    pub over: Over,
-    /// ln m.
-    pub mean_ln: f64,
-    spread_ln: f64,
-}
-
-impl Kernel {
-    /// Of the prior.
-    pub fn precision(&self) -> f64 {
-        self.spread_ln.powi(-2)
-    }
-
-    /// Offsets of the readings at each stop of the slow axis.
-    pub fn is_station_of_readings(&self) -> bool {
-        self.part == Part::Station && self.frame == OF_READINGS
-    }
-}
-
-/// What a kernel is, in kinds that a person tells apart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Part {
-    /// Offsets from pass to pass, and of mountings.
-    Pass,
-    /// Scatter when an axis is positioned again.
-    Station,
-    /// Slow wandering.
-    Drift,
-    /// A pattern over the poses that comes back.
-    Pattern,
-}
-
-impl Part {
-    pub const ALL: [Self; 4] = [Self::Pass, Self::Station, Self::Drift, Self::Pattern];
-}
-
-/// Points that a kernel moves alike.
-pub(crate) enum Over {
-    /// Point × point.
-    Pairs(DMatrix<Real>),
-    /// Every point by itself.
-    Own,
-}
-
 impl Kernels {
     /// `root`: roots of the weights of the rows; the white part stays 1, the others follow the rows.
     /// `single`: noise of a single reading, in units of the white noise of a row.
@@ -109,7 +63,8 @@ impl Kernels {
         let (list, frames) = (Vec::new(), Vec::new());
         let mut kernels = Self { list, frames, points, point_of_row, rows_of_point, components, single };
         let taken = Taken::new(experiment);
-        let mut readings = In::frame(&mut kernels, of_readings(experiment), root);
+        let channels = of_readings(experiment);
+        let mut readings = In::frame(&mut kernels, channels.clone(), root);
         readings.add(Part::Pass, same_group(&taken.pass), 0.25, SPREAD_LN);
         readings.add(Part::Pass, same_group(&taken.heading), 0.25, SPREAD_LN);
         readings.add(Part::Pass, same_group(&taken.visit), 0.25, SPREAD_LN);
@@ -129,6 +84,12 @@ impl Kernels {
         }
         for (mean, lengths) in axes.lengths_of_readings() {
             readings.add(Part::Pattern, axes.field(&lengths), mean, SPREAD_LN);
+        }
+        for channel in channels.column_iter().filter(|_| channels.ncols() > 1) {
+            let of_one = DMatrix::from_columns(&[channel]);
+            // The size of a kernel is that of its mean over all rows.
+            let mean_ln = (OF_CHANNEL * of_one.norm() / (of_one.nrows() as f64).sqrt()).ln();
+            In::frame(&mut kernels, of_one, root).own(Part::Channel, mean_ln, SPREAD_LN);
         }
         if axes.turning.is_empty() {
             return kernels;
@@ -150,7 +111,12 @@ impl Kernels {
             );
         }
         if let Some(fast) = taken.fast {
-            In::frame(&mut kernels, of_axis(experiment, fast), root).own(Part::Station, 0.2);
+            let mean_ln = (0.2 * single).ln();
+            In::frame(&mut kernels, of_axis(experiment, fast), root).own(
+                Part::Station,
+                mean_ln,
+                SPREAD_OF_ANGLES_LN,
+            );
         }
         kernels
     }
@@ -164,7 +130,7 @@ impl Kernels {
         let frames = Frame::new(&lever, points, Arc::clone(&point_of_row)).into_iter().collect();
         let kernel = |(part, pairs, mean): (Part, DMatrix<Real>, f64)| Kernel {
             part,
-            frame: OF_READINGS,
+            frame: super::kernel::OF_READINGS,
             over: Over::Pairs(pairs),
             mean_ln: mean.ln(),
             spread_ln: SPREAD_LN,
@@ -207,6 +173,39 @@ impl Kernels {
         }
     }
 
+    /// Σ over the rows of each point of the blocks of `matrix` ∘ lever · leverᵀ on its diagonal.
+    pub fn contracted_own(&self, frame: &Frame, matrix: &DMatrix<Real>) -> DVector<Real> {
+        let mut gram = Vec::new();
+        let of_point = |rows: &Range<usize>| {
+            let of_column = |column: usize| {
+                frame.gram(column, rows.clone(), &mut gram);
+                matrix
+                    .view((rows.start, column), (rows.len(), 1))
+                    .iter()
+                    .zip(&gram)
+                    .map(|(a, b)| a * b)
+                    .sum::<Real>()
+            };
+            rows.clone().map(of_column).sum()
+        };
+        DVector::from_iterator(self.points, self.rows_of_point.iter().map(of_point))
+    }
+
+    /// Variance of every row by the kernels of white noise at these ρ², in units of s².
+    pub fn white_of_rows(&self, rho_squared: &[f64]) -> DVector<f64> {
+        let mut variance = DVector::zeros(self.point_of_row.len());
+        for (kernel, rho_squared) in self.list.iter().zip(rho_squared).filter(|(kernel, _)| kernel.is_white())
+        {
+            self.frames[kernel.frame].add_squares(*rho_squared, &mut variance);
+        }
+        variance
+    }
+
+    /// Whether a kernel of a frame moves points alike.
+    pub fn has_pairs(&self, frame: usize) -> bool {
+        self.list.iter().any(|kernel| kernel.frame == frame && matches!(kernel.over, Over::Pairs(_)))
+    }
+
     /// Σ over the rows of each pair of points of `matrix` ∘ lever · leverᵀ.
     pub fn contracted(&self, frame: &Frame, matrix: &DMatrix<Real>) -> DMatrix<Real> {
         let (rows, points) = (matrix.nrows(), self.points);
@@ -215,7 +214,7 @@ impl Kernels {
             let of_point = self.point_of_row[column] * points;
             let target = &mut sums.as_mut_slice()[of_point..of_point + points];
             let a = &matrix.as_slice()[column * rows..(column + 1) * rows];
-            frame.gram(column, 0, &mut gram);
+            frame.gram(column, 0..rows, &mut gram);
             match self.components {
                 Some(1) => contract::<1>(target, a, &gram),
                 Some(3) => contract::<3>(target, a, &gram),
@@ -325,9 +324,8 @@ impl<'a> In<'a> {
         });
     }
 
-    fn own(&mut self, part: Part, mean: f64) {
+    fn own(&mut self, part: Part, mean_ln: f64, spread_ln: f64) {
         let Some(frame) = self.frame else { return };
-        let (mean_ln, spread_ln) = ((mean * self.kernels.single).ln(), SPREAD_OF_ANGLES_LN);
         self.kernels.list.push(Kernel { part, frame, over: Over::Own, mean_ln, spread_ln });
     }
 }

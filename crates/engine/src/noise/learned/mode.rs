@@ -7,7 +7,8 @@
 
 use super::Real;
 use super::frame::Frame;
-use super::kernels::{Kernels, Over};
+use super::kernel::Over;
+use super::kernels::Kernels;
 use super::sigma::{Projected, Sigma};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -71,9 +72,19 @@ impl Mode {
         &self.here.sigma.x
     }
 
-    /// White standard deviation s.
-    pub fn white(&self) -> f64 {
+    /// Of every kernel.
+    pub fn rho_squared(&self) -> Vec<f64> {
+        self.x()[1..].iter().map(|ln| (2.0 * ln).exp()).collect()
+    }
+
+    /// s.
+    pub fn s(&self) -> f64 {
         self.x()[0].exp()
+    }
+
+    /// Root mean square of the white standard deviations of all rows.
+    pub fn white(&self) -> f64 {
+        self.here.sigma.white
     }
 }
 
@@ -165,8 +176,10 @@ impl Readings<'_> {
         let (kernels, x) = (self.kernels, &here.sigma.x);
         let precision = here.precision();
         let rows = self.y.len();
-        let contracted: Vec<DMatrix<Real>> =
-            kernels.frames.iter().map(|frame| kernels.contracted(frame, &precision)).collect();
+        let contracted =
+            |(k, frame): (usize, &Frame)| kernels.has_pairs(k).then(|| kernels.contracted(frame, &precision));
+        let contracted: Vec<Option<DMatrix<Real>>> =
+            kernels.frames.iter().enumerate().map(contracted).collect();
         let folded: Vec<DMatrix<Real>> = kernels.frames.iter().map(|frame| frame.folded(&here.py)).collect();
         let mut gradient = DVector::zeros(x.len());
         gradient[0] = here.quadratic - (rows - columns) as f64;
@@ -178,13 +191,14 @@ impl Readings<'_> {
             let variance = (2.0 * (x[0] + x[1 + k])).exp();
             let (seen, trace) = match &kernel.over {
                 Over::Own => {
-                    let trace =
-                        contracted[kernel.frame].diagonal().iter().map(|t| f64::from(*t)).sum::<f64>();
+                    let own = kernels.contracted_own(frame, &precision);
+                    let trace = own.iter().map(|t| f64::from(*t)).sum::<f64>();
                     (frame.unfolded(&folded[kernel.frame]), trace)
                 }
                 Over::Pairs(pairs) => {
                     let seen = frame.unfolded(&(pairs * &folded[kernel.frame]));
-                    (seen, f64::from(pairs.dot(&contracted[kernel.frame])))
+                    let trace = contracted[kernel.frame].as_ref().map_or(0.0, |c| f64::from(pairs.dot(c)));
+                    (seen, trace)
                 }
             };
             let square: f64 =

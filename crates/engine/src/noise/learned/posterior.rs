@@ -13,7 +13,8 @@
 
 use super::Real;
 use super::compressed::{Compressed, Here, variances};
-use super::kernels::{Kernels, Part};
+use super::kernel::{Kernel, Part};
+use super::kernels::Kernels;
 use super::lattice::places;
 use super::mode::{LONGEST_STEP, Mode, SHORTER};
 use super::size::{Density, OfOne};
@@ -42,6 +43,8 @@ pub(crate) fn draws(
     y: &DVector<Real>,
 ) -> Vec<Draw> {
     let at_mode = variances(mode);
+    let of_white = |(kernel, at_mode): (&Kernel, &f64)| if kernel.is_white() { *at_mode } else { 0.0 };
+    let white: Vec<f64> = kernels.list.iter().zip(&at_mode).map(of_white).collect();
     let compressed = Compressed::new(mode, precision, kernels, y);
     let posterior = Posterior { compressed, kernels, ln_rho: &mode.x()[1..] };
     let choices = Choices::new(posterior.choices());
@@ -50,7 +53,7 @@ pub(crate) fn draws(
         let (choice, ln_share) = choices.at(*first)?;
         let (x, ln_density) = choice.at(others);
         let ln = posterior.at(&choice.kernels, &x)?.ln_density - ln_density - ln_share;
-        let mut variances = vec![0.0; at_mode.len()];
+        let mut variances = white.clone();
         choice.kernels.iter().zip(x.iter()).for_each(|(&k, x)| variances[k] = at_mode[k] * (2.0 * x).exp());
         Some((ln, variances))
     };
@@ -148,15 +151,15 @@ impl Posterior<'_> {
     /// Of the parts that there are kernels of; each begins at the mode of one that has a part more.
     fn choices(&self) -> Vec<Choice> {
         let has = |part: &Part| self.kernels.list.iter().any(|kernel| kernel.part == *part);
-        let parts: Vec<Part> = Part::ALL.into_iter().filter(has).collect();
+        let parts: Vec<Part> = Part::OPTIONAL.into_iter().filter(has).collect();
         let mut found: Vec<Option<Choice>> = Vec::new();
         for absent in 0..1_usize << parts.len() {
-            let is_absent = |part: &Part| {
-                let at = parts.iter().position(|other| other == part);
-                at.is_some_and(|at| absent >> at & 1 == 1)
+            let is_there = |kernel: &Kernel| {
+                let at = parts.iter().position(|part| *part == kernel.part);
+                at.is_some_and(|at| absent >> at & 1 == 0)
             };
             let kernels: Vec<usize> =
-                (0..self.ln_rho.len()).filter(|&k| !is_absent(&self.kernels.list[k].part)).collect();
+                (0..self.ln_rho.len()).filter(|&k| is_there(&self.kernels.list[k])).collect();
             // The lowest of its bits less: of those before.
             let more = found.get(absent & absent.wrapping_sub(1)).and_then(Option::as_ref);
             let start = |k: &usize| {

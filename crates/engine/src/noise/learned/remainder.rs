@@ -58,8 +58,8 @@ pub(crate) struct Remainder<'a> {
 /// The noise of one fit.
 #[derive(Clone)]
 pub(crate) struct Learned {
-    /// White standard deviation, mm, and ln ρ of every kernel.
-    white_mm: f64,
+    /// s, mm, and ln ρ of every kernel.
+    s_mm: f64,
     rho_ln: Vec<f64>,
     /// Multiple of the white variance of every row.
     pub white: DVector<f64>,
@@ -112,19 +112,19 @@ impl<'a> Remainder<'a> {
         let begun = self.mode(&white, &self.start(&white), Effort::SIZES);
         let mut mode = begun.or_else(|| self.mode(&white, &self.first(), Effort::SIZES))?;
         for _ in 0..WEIGHINGS {
-            let weights = tails::weights(&mode, &kernels.rows_of_point, &white, &self.used);
+            let weights = tails::weights(&mode, kernels, &white, &self.used);
             let Some(weights) = weights else { break };
             let Some(next) = self.mode(&weights, mode.x(), Effort::SIZES) else { break };
             (white, mode) = (weights, next);
         }
-        let white_mm = mode.white() * self.unit_mm;
+        let s_mm = mode.s() * self.unit_mm;
         let (kernels, root) = (self.kernels.clone(), self.root.clone());
-        Some((Learned { white_mm, rho_ln: mode.x()[1..].to_vec(), white, kernels, root }, mode))
+        Some((Learned { s_mm, rho_ln: mode.x()[1..].to_vec(), white, kernels, root }, mode))
     }
 
     /// The mode from the noise that was learned for sizes alone.
     pub fn mode_from(&self, learned: &Learned) -> Option<Mode> {
-        let x: Vec<f64> = std::iter::once((learned.white_mm / self.unit_mm).ln())
+        let x: Vec<f64> = std::iter::once((learned.s_mm / self.unit_mm).ln())
             .chain(learned.rho_ln.iter().copied())
             .collect();
         let found = self.mode(&learned.white, &x, Effort::FULL);
@@ -166,6 +166,6 @@ impl<'a> Remainder<'a> {
 
 impl fmt::Debug for Learned {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Learned").field("white_mm", &self.white_mm).field("rho_ln", &self.rho_ln).finish()
+        f.debug_struct("Learned").field("s_mm", &self.s_mm).field("rho_ln", &self.rho_ln).finish()
     }
 }

@@ -2,7 +2,8 @@
 
 use super::Real;
 use super::dense;
-use super::kernels::{Kernels, Over};
+use super::kernel::Over;
+use super::kernels::Kernels;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,6 +14,8 @@ const SINGLE_PRECISION: f64 = 12.0;
 /// Σ⁻¹ and ln det Σ at x = (ln s, ln ρ_k).
 pub(crate) struct Sigma {
     pub x: Vec<f64>,
+    /// Root mean square of the white standard deviations of all rows.
+    pub white: f64,
     pub inverse: DMatrix<Real>,
     log_det: f64,
 }
@@ -21,8 +24,13 @@ impl Sigma {
     /// `white`: multiple of the white variance of every row. `None` where rounding makes Σ indefinite.
     pub fn new(kernels: &Kernels, x: &[f64], white: &DVector<f64>) -> Option<Self> {
         let rho_squared: Vec<f64> = x[1..].iter().map(|ln| (2.0 * ln).exp()).collect();
+        let squares = |is_white: bool| {
+            let own =
+                kernels.list.iter().zip(&rho_squared).filter(|(kernel, _)| kernel.is_white() == is_white);
+            own.map(|(_, square)| square).sum::<f64>()
+        };
         let mut relative = covariance(kernels, &rho_squared, white);
-        let (log_det, mut inverse) = if rho_squared.iter().sum::<f64>() < SINGLE_PRECISION {
+        let (log_det, mut inverse) = if squares(false) < SINGLE_PRECISION {
             (dense::factor(&mut relative)?, dense::inverse(relative)?)
         } else {
             // To the end: what the kernels explain nearly all of has a small share in the inverse.
@@ -31,7 +39,8 @@ impl Sigma {
         };
         let rows = inverse.nrows() as f64;
         inverse *= (-2.0 * x[0]).exp() as Real;
-        Some(Self { x: x.to_vec(), inverse, log_det: log_det + 2.0 * rows * x[0] })
+        let white = x[0].exp() * (1.0 + squares(true)).sqrt();
+        Some(Self { x: x.to_vec(), white, inverse, log_det: log_det + 2.0 * rows * x[0] })
     }
 }
 
@@ -58,8 +67,10 @@ fn covariance(kernels: &Kernels, rho_squared: &[f64], white: &DVector<f64>) -> D
         let Range { start: first, end: last } = kernels.rows_of_point[point];
         let target = &mut sigma.as_mut_slice()[column * rows + first..(column + 1) * rows];
         for ((frame, sum), own) in kernels.frames.iter().zip(&sums).zip(&own) {
+            // Of a kernel of single points only what is of the same point.
+            let end = if sum.is_some() { rows } else { last };
             if sum.is_some() || *own > 0.0 {
-                frame.gram(column, first, &mut gram);
+                frame.gram(column, first..end, &mut gram);
             }
             if let Some(sum) = sum {
                 let of_points = &sum.as_slice()[point * points..(point + 1) * points];

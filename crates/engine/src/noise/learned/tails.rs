@@ -1,9 +1,9 @@
 //! Weights of points where more of them lie outside than a normal law allows: Student's t, as learned from the white parts.
 //!
-//! The white part of a point is e = s² W P y. With u the mean square of its components over its median, the weight of the white
-//! variance is (ν + k u)/(ν + k).
+//! The white part of a point is e = s² W P y, of channels that scatter unlike s² √(W (W + W_c)) P y: as large as that of the others. With u
+//! the mean square of its components over its median, the weight of the white variance is (ν + k u)/(ν + k).
 
-use super::Real;
+use super::kernels::Kernels;
 use super::mode::Mode;
 use nalgebra::DVector;
 use std::ops::Range;
@@ -24,15 +24,17 @@ pub(crate) const NOTHING: f64 = 1e4;
 /// Multiples of the white variance of every row; `None` where the tails are those of a normal law.
 pub(crate) fn weights(
     mode: &Mode,
-    rows_of_point: &[Range<usize>],
+    kernels: &Kernels,
     now: &DVector<f64>,
     used: &[bool],
 ) -> Option<DVector<f64>> {
-    let white = mode.white().powi(2);
-    let part = |row: usize| f64::from(mode.here.py[row] as Real) * white * now[row];
+    let of_channels = kernels.white_of_rows(&mode.rho_squared());
+    let scale = (now.component_mul(&(now + of_channels))).map(f64::sqrt) * mode.s().powi(2);
+    let part = |row: usize| f64::from(mode.here.py[row]) * scale[row];
     let mean_square = |rows: &Range<usize>| {
         rows.clone().map(|row| part(row).powi(2)).sum::<f64>() / rows.len().max(1) as f64
     };
+    let rows_of_point = &kernels.rows_of_point;
     let squares: Vec<f64> = rows_of_point.iter().map(mean_square).collect();
     let sort = |rows: &Range<usize>| usize::from(rows.len() > 1);
     let of_sort = |sort_wanted: usize| {
