@@ -7,7 +7,8 @@
 //! Limits: constant over the run; small angles.
 
 use crate::{
-    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+    About, Effect, Emit, Example, Golden, Limit, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit,
+    View,
 };
 use nalgebra::Vector3;
 use trunnion_core::{Joint, State, Twist};
@@ -54,6 +55,14 @@ pub(crate) static EFFECT: Effect = Effect {
     },
 };
 
+/// A millimetre: machines with linear axes are aligned to hundredths. A judgement, tuned on no data; the lines of a robot may be off by more.
+const PLACE: Limit = Limit {
+    largest: 1000.0,
+    beyond: "no axis of a machine tool is placed so badly. A work offset, a tool length or a stylus radius may be in the positions or readings, \
+             the ball not where the setup has it, or the pivot in the machine file that of another machine",
+    resembles: false,
+};
+
 fn carriers(machine: &Machine) -> Vec<Joint> {
     machine.rotary().iter().map(|axis| axis.letter).collect()
 }
@@ -68,9 +77,14 @@ fn parameters(scene: &Scene, _: Subject) -> Vec<Parameter> {
     if carriers.is_empty() {
         return squareness().map(|(_, _, name)| Parameter::new(name, Unit::URAD)).into();
     }
+    let is_machine_tool = !scene.machine.linear_joints().is_empty();
     let symbol = |direction: Joint, axis: Joint| {
-        let unit = if direction.is_rotary() { Unit::URAD } else { Unit::UM };
-        Parameter::new(format!("E{direction}0{axis}"), unit)
+        let name = format!("E{direction}0{axis}");
+        match direction.is_rotary() {
+            true => Parameter::new(name, Unit::URAD),
+            false if is_machine_tool => Parameter::new(name, Unit::UM).at_most(PLACE),
+            false => Parameter::new(name, Unit::UM),
+        }
     };
     carriers.iter().flat_map(|&axis| Joint::ALL.map(|direction| symbol(direction, axis))).collect()
 }

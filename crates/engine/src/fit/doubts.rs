@@ -167,9 +167,14 @@ fn beyond_physical(
     let entry = model.effects.iter().find(|entry| entry.id == effect.id);
     let instance = entry.and_then(|entry| Instance::from_model_effect(entry, experiment.machine()).ok());
     let parameters = instance.map_or_else(Vec::new, |instance| instance.parameters(&experiment.scene));
+    // Axes of which one stands for both are placed so badly together; of causes only their sum counts.
+    let is_place =
+        trunnion_effects::catalogue::effect(&effect.id).is_some_and(|effect| effect.role == Role::Location);
     let doubt = |parameter: Parameter| {
         let limit = parameter.limit?;
-        let fitted = fitted.iter().find(|fitted| fitted.name == parameter.name && fitted.stands_alone())?;
+        let fitted = fitted
+            .iter()
+            .find(|fitted| fitted.name == parameter.name && (is_place || fitted.stands_alone()))?;
         let value = fitted.screen_value()?;
         let reason = DoubtReason::BeyondPhysical { limit, unit: parameter.unit };
         let names = vec![parameter.name];

@@ -2,7 +2,7 @@
 //!
 //! x ← x + argmin ‖W^½ (A δ − (measured − predicted(x)))‖ over the used points. The columns are the analytic linear ones, so
 //! each step shrinks what is left by about the size of the errors (0.005 for a tilt of 0.3°). A step that does not lower the
-//! residual is not taken but damped (Levenberg–Marquardt); a fit that does not come to rest is an error, and so is one that
+//! residual is not taken but damped (Levenberg–Marquardt); a direction that does not come to rest is left out, a fit that does not is an error, and so is one that
 //! comes to rest at numbers that no machine has.
 
 use crate::IdentifyError;
@@ -23,6 +23,8 @@ const CONVERGED_MM: f64 = 1e-9;
 /// directions wander far and converge slowly; they are left out before they need to.
 const NOISE_KNOWN: f64 = 0.1;
 const MOST_STEPS: usize = 40;
+/// A direction that shows up to so many times what one that creeps does is left out with it.
+const CREEPING: f64 = 2.0;
 /// Damping after a first step that does not lower the residual, against scaled columns whose norms are near one, and its factor
 /// from step to step [Marquardt 1963: ten in the square].
 pub(crate) const FIRST_DAMPING: f64 = 1e-2;
@@ -85,20 +87,20 @@ pub(crate) fn converge(
         design.joint.held.iter().map(|held| held.unwrap_or(0.0)),
     );
     let to_noise = |datum| converge_within(design, &reduced, datum, &[], used, nothing.clone(), NOISE_KNOWN);
-    let first = match to_noise(datum) {
+    let first = match to_noise(datum)? {
+        End::Rest(fit) => fit,
         // Directions too weak to go by may run away; the noise that the columns leave over shows which they are.
-        Err(IdentifyError::NotConverged { .. }) => {
+        End::Creeping(_) => {
             let noise_mm = linear_noise_mm(design, &reduced, &nothing, used);
-            to_noise(named_datum(design, &reduced, &limits.with_noise(noise_mm, rows)))?
+            to_noise(named_datum(design, &reduced, &limits.with_noise(noise_mm, rows)))?.rest()?
         }
-        converged => converged?,
     };
     if design.joint.free().is_empty() {
         return Ok(first);
     }
     // Directions so weak that noise alone makes their numbers absurd, and the weight of priors against readings,
     // are known only after the noise is.
-    let limits = limits.with_noise(first.sigma_mm, first.rows_used);
+    let mut limits = limits.with_noise(first.sigma_mm, first.rows_used);
     let sigma_mm = first.sigma_mm.max(FINEST_MM);
     let priors: Vec<(&Expected, f64)> = design
         .joint
@@ -109,11 +111,51 @@ pub(crate) fn converge(
         .collect();
     let weights: Vec<(usize, f64)> = priors.iter().map(|(prior, w)| (prior.parameter, *w)).collect();
     reduced.add_priors(&weights);
-    let datum = named_datum(design, &reduced, &limits);
-    let start = if datum.rank == first.datum.rank && priors.is_empty() { first.solution } else { nothing };
-    let fit = converge_within(design, &reduced, datum, &priors, used, start, 0.0)?;
+    let to_rest = |datum: Datum, start| converge_within(design, &reduced, datum, &priors, used, start, 0.0);
+    let mut datum = named_datum(design, &reduced, &limits);
+    let start =
+        if datum.rank == first.datum.rank && priors.is_empty() { first.solution } else { nothing.clone() };
+    let mut determined = datum.determined.len();
+    let mut end = to_rest(datum, start)?;
+    // A direction that errors of the machine change by as much as it shows is not seen: of a ball 3 mm from its place, how far the axis C is
+    // turned against the ball's y.
+    while let End::Creeping(creeping) = &end {
+        limits.weakest = limits.weakest.max(CREEPING * creeping.seen);
+        datum = named_datum(design, &reduced, &limits);
+        if datum.determined.len() >= determined {
+            break;
+        }
+        determined = datum.determined.len();
+        end = to_rest(datum, nothing.clone())?;
+    }
+    let fit = end.rest()?;
     check_possible(design, &fit)?;
     Ok(fit)
+}
+
+/// How steps end.
+enum End {
+    Rest(Converged),
+    Creeping(Creeping),
+}
+
+/// The last of too many steps.
+struct Creeping {
+    steps: usize,
+    change_mm: f64,
+    /// What its direction shows by the columns, for scaled parameters of length 1, mm.
+    seen: f64,
+}
+
+impl End {
+    fn rest(self) -> Result<Converged, IdentifyError> {
+        match self {
+            Self::Rest(fit) => Ok(fit),
+            Self::Creeping(Creeping { steps, change_mm, .. }) => {
+                Err(IdentifyError::NotConverged { steps, change_mm })
+            }
+        }
+    }
 }
 
 /// A fit may converge to numbers that no machine has; columns at the nominal machine mean nothing there.
@@ -173,7 +215,7 @@ fn converge_within(
     used: &[bool],
     start: DVector<f64>,
     part_of_noise: f64,
-) -> Result<Converged, IdentifyError> {
+) -> Result<End, IdentifyError> {
     let (experiment, joint) = (design.experiment, design.joint);
     let rows_used: usize = (0..used.len()).filter(|&i| used[i]).map(|i| experiment.rows_of(i).len()).sum();
     if rows_used <= datum.determined.len() {
@@ -198,7 +240,7 @@ fn converge_within(
     check_finite(design, &(&readings - &predicted_mm))?;
     let mut counted = counted_mm(design, &(&readings - &predicted_mm), used);
     let mut missed = surprise(&solution);
-    let (mut iterations, mut change_mm, mut damping) = (0, f64::INFINITY, 0.0);
+    let (mut iterations, mut change_mm, mut damping, mut seen) = (0, f64::INFINITY, 0.0, 0.0);
     let root_rows = (rows_used as f64).sqrt();
     while !datum.determined.is_empty() {
         let enough_mm = CONVERGED_MM.max(part_of_noise * counted.norm() / root_rows);
@@ -206,7 +248,7 @@ fn converge_within(
             break;
         }
         if iterations == MOST_STEPS {
-            return Err(IdentifyError::NotConverged { steps: iterations, change_mm });
+            return Ok(End::Creeping(Creeping { steps: iterations, change_mm, seen }));
         }
         iterations += 1;
         let projected = design.project(reduced, &counted);
@@ -222,6 +264,7 @@ fn converge_within(
         let squares =
             |counted: &DVector<f64>, missed: &DVector<f64>| counted.norm_squared() + missed.norm_squared();
         let step_mm = (&next_mm - &predicted_mm).amax();
+        seen = solver.seen(&change);
         // Below the tolerance the sum of squares changes by rounding alone.
         let fell = squares(&next, &next_missed) <= (1.0 + RISE) * squares(&counted, &missed)
             || step_mm <= CONVERGED_MM;
@@ -239,7 +282,7 @@ fn converge_within(
     let residual_mm = readings - &predicted_mm;
     let weighted_mm = residual_mm.component_mul(&design.weights.root);
     let sigma_mm = (counted.norm_squared() / (rows_used - datum.determined.len()) as f64).sqrt();
-    Ok(Converged {
+    Ok(End::Rest(Converged {
         solution,
         predicted_mm,
         residual_mm,
@@ -251,7 +294,7 @@ fn converge_within(
         sigma_mm,
         rows_used,
         prior_weights,
-    })
+    }))
 }
 
 fn check_finite(design: &Design<'_>, residual: &DVector<f64>) -> Result<(), IdentifyError> {

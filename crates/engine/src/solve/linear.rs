@@ -141,6 +141,12 @@ impl Solver {
         scaled.component_mul(&self.scale)
     }
 
+    /// ‖A x‖ of a direction whose scaled parameters have length 1.
+    pub fn seen(&self, x: &DVector<f64>) -> f64 {
+        let scaled = x.component_div(&self.scale);
+        (self.qr.r() * &scaled).norm() / scaled.norm()
+    }
+
     /// x from Qᵀb with the scaled step held back: min ‖R y − Qᵀb‖² + damping² ‖y‖² (Levenberg, Marquardt).
     pub fn solve_damped(&self, projected: &DVector<f64>, damping: f64) -> DVector<f64> {
         if damping == 0.0 {

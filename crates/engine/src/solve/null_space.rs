@@ -2,7 +2,7 @@
 //!
 //! Null vectors are all directions of the scaled columns that show no more than rounding and positions a little off the commanded ones
 //! would show by themselves (`problem::off_nominal`), and those along which the fit would wander by more than `MEANINGLESS_MM` of
-//! reading. They are brought to reduced row echelon form (`solve::echelon`). Every pivot is held at zero, which leaves independent
+//! reading or did not come to rest. They are brought to reduced row echelon form (`solve::echelon`). Every pivot is held at zero, which leaves independent
 //! columns. A parameter that a direction moves by less than its u takes no part in it; its u then holds that much
 //! ([`of_null_directions`]). This is done in two stages, for the role of an effect decides who keeps a number (docs/decisions/0004-datum-convention.md).
 //!

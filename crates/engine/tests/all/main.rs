@@ -14,6 +14,7 @@ mod linear_axes;
 mod lines;
 mod nothing_hidden;
 mod null;
+mod offsets;
 mod outside_data;
 mod probes;
 mod repeats;
