@@ -58,8 +58,8 @@ pub(crate) static EFFECT: Effect = Effect {
 /// A millimetre: machines with linear axes are aligned to hundredths. A judgement, tuned on no data; the lines of a robot may be off by more.
 const PLACE: Limit = Limit {
     largest: 1000.0,
-    beyond: "no axis of a machine tool is placed so badly. A work offset, a tool length or a stylus radius may be in the positions or readings, \
-             the ball not where the setup has it, or the pivot in the machine file that of another machine",
+    beyond: "no axis of a machine tool is placed so badly. A work offset, a tool length or a stylus radius may be in the positions or readings. \
+             Or the ball is not where the setup has it, or the pivot in the machine file is that of another machine",
     resembles: false,
 };
 
