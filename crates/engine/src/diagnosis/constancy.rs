@@ -11,7 +11,7 @@ use crate::evidence::{joined, orthonormal, turned};
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
 use crate::noise::machine_noise::modulated;
-use crate::problem::sequence::run_and_time;
+use crate::problem::sequence::clocks_and_times;
 use nalgebra::{DMatrix, DVector};
 
 /// True where no effect that was found changes with time or place by more than chance and noise may do.
@@ -55,7 +55,8 @@ fn block(scan: &Scan<'_>, signal: &DVector<f64>, change: &[Vec<f64>]) -> DMatrix
 fn changes(scan: &Scan<'_>) -> Vec<Vec<Vec<f64>>> {
     let experiment = &scan.remainder.rows.points;
     let points = 0..experiment.points.len();
-    let mut changes = vec![vec![centred(points.clone().map(|i| run_and_time(experiment, i).1).collect())]];
+    let times = clocks_and_times(experiment).into_iter().map(|(_, time)| time).collect();
+    let mut changes = vec![vec![centred(times)]];
     let scene = &experiment.scene;
     let turning = experiment.machine().rotary_joints().into_iter().any(|joint| scene.moves(joint));
     for axis in experiment.machine().axes() {

@@ -7,7 +7,7 @@ use crate::Experiment;
 use crate::noise::learned::Real;
 use crate::noise::machine_noise::Order;
 use crate::problem::passes::passes;
-use crate::problem::sequence::{in_order_taken, run_and_time};
+use crate::problem::sequence::{clocks_and_times, in_order_taken};
 use nalgebra::DMatrix;
 use std::collections::{HashMap, HashSet};
 use trunnion_core::Joint;
@@ -27,7 +27,7 @@ pub(crate) struct Taken {
     /// The rotary axes that move least and most often.
     pub slow: Option<Joint>,
     pub fast: Option<Joint>,
-    run_and_time: Vec<(usize, f64)>,
+    clock_and_time: Vec<(usize, f64)>,
     usual_step: f64,
     longest_run: f64,
 }
@@ -36,9 +36,9 @@ impl Taken {
     pub fn new(experiment: &Experiment) -> Self {
         let points = experiment.points.len();
         let sequence = in_order_taken(experiment);
-        let run_and_time: Vec<(usize, f64)> = (0..points).map(|i| run_and_time(experiment, i)).collect();
+        let clock_and_time = clocks_and_times(experiment);
         let step = |pair: &[usize]| {
-            let ((run, from), (next, to)) = (run_and_time[pair[0]], run_and_time[pair[1]]);
+            let ((run, from), (next, to)) = (clock_and_time[pair[0]], clock_and_time[pair[1]]);
             (run == next).then_some(to - from)
         };
         let mut steps: Vec<f64> = sequence.windows(2).filter_map(step).collect();
@@ -53,10 +53,10 @@ impl Taken {
             let key = poses[i];
             if k > 0 {
                 let last = sequence[k - 1];
-                let new_run = run_and_time[last].0 != run_and_time[i].0;
+                let new_clock = clock_and_time[last].0 != clock_and_time[i].0;
                 let setup = |i: usize| experiment.points[i].state.setup;
-                let new_visit = new_run || setup(last) != setup(i);
-                let paused = run_and_time[i].1 - run_and_time[last].1 > PAUSE * usual_step;
+                let new_visit = new_clock || setup(last) != setup(i);
+                let paused = clock_and_time[i].1 - clock_and_time[last].1 > PAUSE * usual_step;
                 let new_pass = new_visit || paused || seen.contains(&key);
                 visit[i] = visit[last] + usize::from(new_visit);
                 pass[i] = pass[last] + usize::from(new_pass);
@@ -69,14 +69,14 @@ impl Taken {
         }
         let pose = experiment.stands(&experiment.machine().rotary_joints());
         let mut ends: HashMap<usize, (f64, f64)> = HashMap::new();
-        for (run, time) in &run_and_time {
+        for (run, time) in &clock_and_time {
             let end = ends.entry(*run).or_insert((*time, *time));
             *end = (end.0.min(*time), end.1.max(*time));
         }
         let longest_run = ends.values().fold(0.0, |most, (from, to)| f64::max(most, to - from));
         let heading = passes(experiment).pass;
         let (slow, fast) = (order.slow, order.fast);
-        Self { pass, heading, visit, station, pose, slow, fast, run_and_time, usual_step, longest_run }
+        Self { pass, heading, visit, station, pose, slow, fast, clock_and_time, usual_step, longest_run }
     }
 
     /// Times at these shares of the way from `shortest` usual steps to the longest run, in logarithms.
@@ -100,29 +100,29 @@ impl Taken {
 
     /// What drift that takes far longer than a run looks like: in proportion to time, from the mean of the run. Mean variance 1.
     pub fn trend(&self) -> DMatrix<Real> {
-        let begin = self.run_and_time.iter().map(|(_, time)| *time).fold(f64::INFINITY, f64::min);
+        let begin = self.clock_and_time.iter().map(|(_, time)| *time).fold(f64::INFINITY, f64::min);
         self.off_mean_of_run(self.within_runs(|from, to| (from - begin) * (to - begin)))
     }
 
     fn within_runs(&self, alike: impl Fn(f64, f64) -> f64) -> DMatrix<f64> {
-        let points = self.run_and_time.len();
+        let points = self.clock_and_time.len();
         DMatrix::from_fn(points, points, |i, j| {
-            let ((run, from), (other, to)) = (self.run_and_time[i], self.run_and_time[j]);
+            let ((run, from), (other, to)) = (self.clock_and_time[i], self.clock_and_time[j]);
             if run == other { alike(from, to) } else { 0.0 }
         })
     }
 
     /// H K Hᵀ, H what takes the mean of its run from a point, brought to mean variance 1.
     fn off_mean_of_run(&self, mut pairs: DMatrix<f64>) -> DMatrix<Real> {
-        let points = self.run_and_time.len();
+        let points = self.clock_and_time.len();
         for _ in 0..2 {
             for mut column in pairs.column_iter_mut() {
                 let mut means: HashMap<usize, (f64, f64)> = HashMap::new();
-                for (value, (run, _)) in column.iter().zip(&self.run_and_time) {
+                for (value, (run, _)) in column.iter().zip(&self.clock_and_time) {
                     let mean = means.entry(*run).or_default();
                     *mean = (mean.0 + value, mean.1 + 1.0);
                 }
-                for (value, (run, _)) in column.iter_mut().zip(&self.run_and_time) {
+                for (value, (run, _)) in column.iter_mut().zip(&self.clock_and_time) {
                     *value -= means[run].0 / means[run].1;
                 }
             }

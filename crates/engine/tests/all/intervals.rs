@@ -292,3 +292,32 @@ fn terms_of_a_drift_that_the_readings_do_not_separate_are_doubted() {
         assert!(!doubted(&[(40e-3, 40.0), (60e-3, 400.0)], seed), "two of them, seed {seed}");
     }
 }
+
+/// Times that begin again with the second setup are those of a clock of its own: how long after the first it was read, nobody knows, and little hangs
+/// on it. Taken as one clock they would have both setups read in turn.
+#[test]
+fn a_clock_that_begins_again_with_a_setup_leaves_u_nearly_as_it_is() {
+    let options = Options { holdout: HeldOut::Skipped, ..Options::default() };
+    let fitted = |run: Run| {
+        let experiment = Experiment::new(&[run]).expect("points");
+        identify(&experiment, &Model::base("table-bc"), &options).expect("a fit")
+    };
+    let mut ln_ratios = Vec::new();
+    for seed in 0..8 {
+        let run = with_offsets(draw(&cycle(), SLOW, seed), 0.4e-3, seed);
+        let mut again = run.clone();
+        let begun_s =
+            again.points.iter().find(|point| point.state.setup == 1).and_then(|p| p.state.time_s).unwrap();
+        for point in again.points.iter_mut().filter(|point| point.state.setup == 1) {
+            point.state.time_s = point.state.time_s.map(|time_s| time_s - begun_s);
+        }
+        let (run, again) = (fitted(run), fitted(again));
+        for (one, other) in run.parameters.iter().zip(&again.parameters) {
+            if let (Some(u), Some(again)) = (one.u, other.u) {
+                ln_ratios.push((again / u).ln());
+            }
+        }
+    }
+    let rms = (ln_ratios.iter().map(|ln| ln * ln).sum::<f64>() / ln_ratios.len() as f64).sqrt();
+    assert!(rms < 0.13, "u differ by {rms}");
+}

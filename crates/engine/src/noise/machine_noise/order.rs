@@ -1,7 +1,7 @@
 //! One noise of a machine, and the points in the order they were taken with what it needs to know of each.
 
 use crate::Experiment;
-use crate::problem::sequence::{in_order_taken, run_and_time};
+use crate::problem::sequence::{clocks_and_times, in_order_taken};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::ops::Range;
 use trunnion_core::{AxisValues, Joint, Twist};
@@ -51,7 +51,8 @@ pub(crate) struct Visit {
 impl Order {
     /// Orders the points of an experiment by run and time; without time the order of the points is the time.
     pub fn new(experiment: &Experiment) -> Self {
-        let key = |i: usize| run_and_time(experiment, i);
+        let clocks_and_times = clocks_and_times(experiment);
+        let key = |i: usize| clocks_and_times[i];
         let order = in_order_taken(experiment);
         let (slow, fast) = slow_and_fast(experiment, &order);
         let stand = slow.map(|joint| experiment.stands(&[joint]));

@@ -69,7 +69,7 @@ pub fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-pub const PROBES: [ProbeMistake; 37] = [
+pub const PROBES: [ProbeMistake; 38] = [
     (
         "every probe at the input of the next",
         GRAVITY,
@@ -291,6 +291,12 @@ pub const PROBES: [ProbeMistake; 37] = [
         GRAVITY,
         |f| f.change("time_s", |v| v / 60.0),
         &["0.067 s apart", "In minutes instead of seconds"],
+    ),
+    (
+        "days, as a spreadsheet has them",
+        GRAVITY,
+        |f| f.change("time_s", |v| v / 86_400.0),
+        &["In days instead of seconds (factor 86400)"],
     ),
     (
         "degrees Fahrenheit",
