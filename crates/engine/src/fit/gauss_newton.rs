@@ -118,8 +118,10 @@ pub(crate) fn converge(
     let mut determined = datum.determined.len();
     let mut end = to_rest(datum, start)?;
     // A direction that errors of the machine change by as much as it shows is not seen: of a ball 3 mm from its place, how far the axis C is
-    // turned against the ball's y.
+    // turned against the ball's y. Without it nothing more is left.
+    let (mut least_mm, mut change_mm) = (f64::INFINITY, 0.0);
     while let End::Creeping(creeping) = &end {
+        (least_mm, change_mm) = (least_mm.min(creeping.left_mm), creeping.change_mm);
         limits.weakest = limits.weakest.max(CREEPING * creeping.seen);
         datum = named_datum(design, &reduced, &limits);
         if datum.determined.len() >= determined {
@@ -128,7 +130,12 @@ pub(crate) fn converge(
         determined = datum.determined.len();
         end = to_rest(datum, nothing.clone())?;
     }
-    let fit = end.rest()?;
+    let fit = match end {
+        End::Rest(fit) if counted_mm(design, &fit.residual_mm, used).norm() > (1.0 + RISE) * least_mm => {
+            return Err(IdentifyError::NotConverged { steps: MOST_STEPS, change_mm });
+        }
+        end => end.rest()?,
+    };
     check_possible(design, &fit)?;
     Ok(fit)
 }
@@ -143,6 +150,8 @@ enum End {
 struct Creeping {
     steps: usize,
     change_mm: f64,
+    /// Length of what it leaves, weighted.
+    left_mm: f64,
     /// What its direction shows by the columns, for scaled parameters of length 1, mm.
     seen: f64,
 }
@@ -248,7 +257,8 @@ fn converge_within(
             break;
         }
         if iterations == MOST_STEPS {
-            return Ok(End::Creeping(Creeping { steps: iterations, change_mm, seen }));
+            let left_mm = counted.norm();
+            return Ok(End::Creeping(Creeping { steps: iterations, change_mm, left_mm, seen }));
         }
         iterations += 1;
         let projected = design.project(reduced, &counted);

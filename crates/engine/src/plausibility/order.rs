@@ -14,7 +14,8 @@ const LONGEST_S: f64 = 3.0 * 86_400.0;
 /// taken for seconds.
 const FASTEST_RAD_PER_S: f64 = TAU;
 const FASTEST_MM_PER_S: f64 = 1000.0;
-/// Units that are taken for seconds.
+/// Units that are taken for seconds, and the usual time for a pose: the unit that comes nearest to it is named.
+const USUAL_S: f64 = 5.0;
 const UNITS: [(&str, f64); 3] = [("minutes", 60.0), ("hours", 3600.0), ("days", 86_400.0)];
 /// Share of the steps against the stated directions, where both are stated: what is left are the returns to the beginning of a pass.
 const REVERSED: f64 = 0.9;
@@ -134,15 +135,16 @@ fn too_fast(run: &Run) -> Option<Implausible> {
     let usual = |of: fn(&(f64, f64)) -> f64| statistics::median(&steps.iter().map(of).collect::<Vec<_>>());
     let (usual_s, times) = (usual(|step| step.0)?, usual(|step| step.1)?);
     (times > 1.0).then(|| {
-        let slow_enough = UNITS.iter().find(|(_, factor)| times <= *factor).unwrap_or(&UNITS[0]);
+        let off_usual = |(_, factor): &&(&str, f64)| (usual_s * factor / USUAL_S).ln().abs();
+        let (unit, factor) =
+            UNITS.iter().min_by(|a, b| off_usual(a).total_cmp(&off_usual(b))).unwrap_or(&UNITS[0]);
         plain(
             format!(
                 "{}: its poses at rest are {usual_s:.3} s apart, for which an axis would have to move at more than 360°/s or 60 m/min and stop.",
                 run.name
             ),
             &format!(
-                "In {} instead of seconds (factor {}) it would be plausible. Check the units of time_s.",
-                slow_enough.0, slow_enough.1
+                "In {unit} instead of seconds (factor {factor}) it would be plausible. Check the units of time_s."
             ),
         )
     })

@@ -2,6 +2,7 @@
 
 use super::Real;
 use super::display::Display;
+use super::kernel::Kernel;
 use super::kernels::Kernels;
 use super::mode::{Effort, Mode, Readings};
 use super::tails;
@@ -19,6 +20,8 @@ const WHITE_FIRST: f64 = 0.7;
 const FINEST_MM: f64 = 1e-6;
 /// Readings from which a first idea of the noise is learned: a covariance of that size takes a fortieth of the largest.
 const FEW_ROWS: usize = 350;
+/// Standard deviations below what is expected at which channels are alike.
+const QUIET: f64 = 3.0;
 /// Rounds of learning the weights of points.
 const WEIGHINGS: usize = 2;
 
@@ -110,9 +113,11 @@ impl<'a> Remainder<'a> {
         let mut white = DVector::from_iterator(self.y.len(), kernels.point_of_row.iter().map(of_point));
         // What some points say may have no covariance of all: white noise that is nothing next to the rest.
         let begun = self.mode(&white, &self.start(&white), Effort::SIZES);
-        let mut mode = begun.or_else(|| self.mode(&white, &self.first(), Effort::SIZES))?;
+        let begun = begun.or_else(|| self.mode(&white, &self.first(), Effort::SIZES))?;
+        let mut mode = self.without_a_loud_channel(&white, &begun).unwrap_or(begun);
+        let poses = self.rows.points.poses();
         for _ in 0..WEIGHINGS {
-            let weights = tails::weights(&mode, kernels, &white, &self.used);
+            let weights = tails::weights(&mode, kernels, &poses, &white, &self.used);
             let Some(weights) = weights else { break };
             let Some(next) = self.mode(&weights, mode.x(), Effort::SIZES) else { break };
             (white, mode) = (weights, next);
@@ -120,6 +125,20 @@ impl<'a> Remainder<'a> {
         let s_mm = mode.s() * self.unit_mm;
         let (kernels, root) = (self.kernels.clone(), self.root.clone());
         Some((Learned { s_mm, rho_ln: mode.x()[1..].to_vec(), white, kernels, root }, mode))
+    }
+
+    /// A mode that holds more than one in which a channel is several times as loud as the others: a few large errors of it that come back are
+    /// near to being its noise.
+    fn without_a_loud_channel(&self, white: &DVector<f64>, mode: &Mode) -> Option<Mode> {
+        let kernels = self.kernels.list.iter();
+        let is_loud = |(kernel, ln): (&Kernel, &f64)| kernel.is_white() && *ln > 0.0;
+        if !kernels.clone().zip(&mode.x()[1..]).any(is_loud) {
+            return None;
+        }
+        let size_ln =
+            |kernel: &Kernel| kernel.mean_ln - if kernel.is_white() { QUIET * kernel.spread_ln } else { 0.0 };
+        let quiet: Vec<f64> = std::iter::once(mode.x()[0]).chain(kernels.map(size_ln)).collect();
+        self.mode(white, &quiet, Effort::FULL).filter(|other| other.posterior > mode.posterior)
     }
 
     /// The mode from the noise that was learned for sizes alone.

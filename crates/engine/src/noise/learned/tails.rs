@@ -18,6 +18,8 @@ const VERY_HEAVY: f64 = 0.035;
 /// Single points beyond this times the rare point count as wild, those beyond the second multiple as worth nothing.
 const WILD: f64 = 3.2;
 const WORTHLESS: f64 = 8.0;
+/// Parts of two visits of a pose that differ by less than this share of theirs are one: by chance two of three components do so once in 60.
+const ALIKE: f64 = 0.5;
 /// White variance of a point that is worth nothing, as a multiple.
 pub(crate) const NOTHING: f64 = 1e4;
 
@@ -25,6 +27,7 @@ pub(crate) const NOTHING: f64 = 1e4;
 pub(crate) fn weights(
     mode: &Mode,
     kernels: &Kernels,
+    poses: &[usize],
     now: &DVector<f64>,
     used: &[bool],
 ) -> Option<DVector<f64>> {
@@ -42,12 +45,24 @@ pub(crate) fn weights(
         upper_median(&chosen.map(|i| squares[i]).collect::<Vec<_>>()).unwrap_or(0.0).max(1e-12)
     };
     let medians = [of_sort(0), of_sort(1)];
-    let relative: Vec<(f64, f64)> = (0..squares.len())
+    let mut relative: Vec<(f64, f64)> = (0..squares.len())
         .map(|i| {
             let k = sort(&rows_of_point[i]);
             (MEDIAN[k] * squares[i] / medians[k], RARE[k])
         })
         .collect();
+    // What comes back at its pose is no tail but the machine.
+    let parts = |i: usize| DVector::from_iterator(rows_of_point[i].len(), rows_of_point[i].clone().map(part));
+    let far: Vec<usize> = (0..squares.len()).filter(|&i| used[i] && relative[i].0 > relative[i].1).collect();
+    let comes_back = |i: usize| {
+        let visits = far.iter().filter(|&&j| j != i && poses[j] == poses[i]);
+        visits.map(|&j| parts(j)).any(|other| (parts(i) - &other).norm() < ALIKE * other.norm())
+    };
+    for &i in &far {
+        if comes_back(i) {
+            relative[i].0 = MEDIAN[sort(&rows_of_point[i])];
+        }
+    }
     let taking_part: Vec<&(f64, f64)> =
         relative.iter().zip(used).filter(|(_, used)| **used).map(|(r, _)| r).collect();
     let beyond = |times: f64| {
