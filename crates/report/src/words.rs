@@ -300,6 +300,10 @@ fn several(diagnosis: &Diagnosis, found: &[&Candidate], together: &Together) -> 
         }
         (true, true) => "Nothing structured remains after them, but other causes are confounded with some of them in these data."
             .into(),
+        (false, _) if together.explains_all => {
+            "Nothing structured remains after them, but an error along an axis that goes one way would read the same as one of them."
+                .into()
+        }
         (false, _) => "They do not explain everything: a part remains.".to_string(),
     });
     sentences

@@ -131,8 +131,11 @@ pub struct Together {
     pub explains_fraction: f64,
     /// Their parameters as fitted together, shape numbers included.
     pub parameters: Vec<Parameter>,
-    /// True when nothing structured remains with all of them.
+    /// True when nothing structured remains with all of them, and no error along an axis would read the same as one of them.
     pub adequate: bool,
+    /// True when nothing structured remains with all of them.
+    #[serde(default)]
+    pub explains_all: bool,
 }
 
 impl Together {

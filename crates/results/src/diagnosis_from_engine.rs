@@ -105,6 +105,7 @@ impl From<&engine::Together> for Together {
             explains_fraction: together.explains_fraction,
             parameters: together.parameters.iter().map(Parameter::from).collect(),
             adequate: together.adequate,
+            explains_all: together.explains_all,
         }
     }
 }

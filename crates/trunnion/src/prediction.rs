@@ -31,8 +31,9 @@ impl Fit {
     /// runs is fitted.
     ///
     /// # Errors
-    /// Runs of another machine, runs that an effect of the model is out of reach of, or that lack what a value acts on.
+    /// A model file or runs of another machine, runs that an effect of the model is out of reach of, or that lack what a value acts on.
     pub fn predict(&self, other: &Experiment) -> Result<results::Prediction, Error> {
+        self.model().is_of(self.experiment().runs())?;
         let machine = self.experiment().machine();
         if let Some(run) = other.runs().iter().find(|run| run.machine != *machine) {
             return Err(Error::OtherMachine {

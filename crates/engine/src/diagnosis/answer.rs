@@ -311,26 +311,29 @@ impl Context<'_> {
 
     /// What everything found does in one model. Further shapes are no part of it: the model has an effect once.
     fn together(&self, refit: &Refit, explained: &Explained) -> Together {
+        let explains_all = self.what_is_left(refit).is_empty();
         Together {
             rms_um: refit.rms_um(),
             holdout_rms_um: refit.holdout_rms_um(),
             explains_fraction: explained.by(refit.rms_mm()),
             parameters: self.parameters(refit).0,
-            adequate: self.what_remains(refit).is_none(),
+            explains_all,
+            adequate: explains_all && !self.is_of_another_cause(refit),
         }
     }
 
-    /// Why a part remains with all that was found, and what to do; none where nothing remains.
-    fn what_remains(&self, refit: &Refit) -> Option<String> {
+    /// Whether another cause may be behind one of several effects.
+    fn is_of_another_cause(&self, refit: &Refit) -> bool {
+        self.found.items.len() > 1 && refit.is_of_another_cause(self.problem)
+    }
+
+    /// Why a part is left with all that was found.
+    fn what_is_left(&self, refit: &Refit) -> Vec<&'static str> {
         let asked = [
             (
                 // The remark on a single one has the figures.
                 self.found.items.len() > 1 && units_differ(refit.fit()).is_some(),
                 "passes or setups that the fit leaves out are predicted worse than visits of one pose differ by",
-            ),
-            (
-                self.found.items.len() > 1 && refit.is_of_another_cause(self.problem),
-                "an axis goes one way while time goes on, and an error along it reads the same as one of these effects",
             ),
             (
                 self.found.further.ncols() > 0,
@@ -339,7 +342,15 @@ impl Context<'_> {
         ];
         let of_fit = asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why);
         let noise = more_than_noise(self.problem.fit(), refit.rms_mm());
-        let reasons: Vec<&str> = noise.into_iter().chain(of_fit).chain(self.is_more()).collect();
+        noise.into_iter().chain(of_fit).chain(self.is_more()).collect()
+    }
+
+    /// Why what was found is not adequate, and what to do; none where it is.
+    fn what_remains(&self, refit: &Refit) -> Option<String> {
+        let of_another_cause = self.is_of_another_cause(refit).then_some(
+            "an axis goes one way while time goes on, and an error along it reads the same as one of these effects",
+        );
+        let reasons: Vec<&str> = self.what_is_left(refit).into_iter().chain(of_another_cause).collect();
         (!reasons.is_empty()).then(|| {
             format!(
                 "What was found is not adequate: {}. Add it to the model, then diagnose again.",

@@ -129,6 +129,8 @@ pub struct Together {
     /// Parameters of all of it as fitted together; shape numbers included.
     pub parameters: Vec<CandidateParameter>,
     /// True when nothing structured is left after adding all of it.
+    pub explains_all: bool,
+    /// True when besides no other cause may be behind one of the effects.
     pub adequate: bool,
 }
 

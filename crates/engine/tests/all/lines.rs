@@ -72,6 +72,20 @@ fn a_drift_on_a_line_measured_one_way_may_be_an_error_along_the_axis() {
     }
 }
 
+/// The same drift with a wave of the screw: of both together it holds too.
+#[test]
+fn of_a_drift_with_a_wave_on_a_line_measured_one_way_nothing_but_the_place_is_open() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let mut white_um = || -> f64 { StandardNormal.sample(&mut random) };
+    let wave_um = |share: f64| 3.0 * (TAU * share * 0.8 * 160.0 / 10.0).sin();
+    let experiment =
+        line(&one_way(), |share| 20.0 * (1.0 - (-4.0 * share).exp()) + wave_um(share) + 0.3 * white_um());
+    let model = Model::base(&experiment.machine().name);
+    let diagnosis = diagnose(&experiment, &model, &Options::default()).unwrap();
+    let together = diagnosis.together.expect("two were found");
+    assert!(together.explains_all && !together.adequate, "{together:?}");
+}
+
 #[test]
 fn where_a_laser_deviates_no_bar_is_named() {
     // Ten passes, forth and back; beyond 16 mm of 32 the axis is 8 µm off.

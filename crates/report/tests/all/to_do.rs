@@ -47,6 +47,7 @@ fn two_together() -> Diagnosis {
             explains_fraction: 1.0,
             parameters: vec![size("backlash:C", 0.1), size("gravity-sag:B", 0.1)],
             adequate: true,
+            explains_all: true,
         }),
         ..verdict(Verdict::MissingEffect)
     }
@@ -186,12 +187,18 @@ fn a_cause_is_not_looked_for_alone_where_others_are_confounded_with_it_or_a_part
     assert!(said.iter().any(|item| item.contains("a part remains")), "{said:?}");
 }
 
-/// A course in time that explains all, on a line that was measured one way.
+/// A course in time that explains all, alone or with another effect, on a line that was measured one way.
 #[test]
 fn where_an_error_along_an_axis_would_read_the_same_nobody_says_that_a_part_remains() {
     let drift = Candidate { effect: "thermal-drift".into(), explains_all: true, ..Candidate::default() };
-    let diagnosis = Some(Diagnosis { candidates: vec![drift], ..verdict(Verdict::MissingEffect) });
-    let input = Comparison { diagnosis, ..Comparison::default() };
+    let alone = Diagnosis { candidates: vec![drift], ..verdict(Verdict::MissingEffect) };
+    let mut with_another = two_together();
+    with_another.together.as_mut().unwrap().adequate = false;
+    let remark =
+        story(&Comparison { diagnosis: Some(with_another), ..Comparison::default() }).wrong.join(" ");
+    assert!(remark.contains("goes one way would read the same as one of them"), "{remark}");
+    assert!(!remark.contains("part remains"), "{remark}");
+    let input = Comparison { diagnosis: Some(alone), ..Comparison::default() };
     let said = story(&input);
     for text in [said.wrong.join(" "), said.to_do.join(" "), diagnosis_text(&input), compare_text(&input)] {
         assert!(text.contains("an error along an axis that goes one way would read the same"), "{text}");

@@ -34,8 +34,9 @@ fn values_of_another_machine_are_not_taken_and_those_of_these_runs_do_not_go_int
     let model = model_of("table-ac", &run);
     let fit = run.fit(&model).unwrap();
     let added = || fit.add_as("unbalance:C", &FormulaText::default())?.dated("2026-03-02").map(drop);
-    let refused: [Result<(), Error>; 5] = [
+    let refused: [Result<(), Error>; 6] = [
         model.predict(&run).map(drop),
+        fit.predict(&run).map(drop),
         model.compare_frozen(&run).map(drop),
         fit.keeping("2026-03-02").map(drop),
         added(),
