@@ -12,16 +12,20 @@ mod exchanged;
 mod fitted;
 mod found;
 mod looked;
+mod mirrored;
 mod order;
 mod path;
 mod places;
 mod positions;
 mod readings;
+mod same_place;
 mod sensors;
 mod shown;
 mod sizes;
 mod stretches;
 mod temperatures;
+mod tip;
+mod together;
 mod ways;
 
 pub use clock::{ClockDoubt, clock_doubt};
@@ -37,7 +41,14 @@ pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let sizes = if channels.is_empty() { sizes::implausible(runs) } else { Vec::new() };
     // Readings say nothing of their own where they are attached to wrong positions, or where a probe is dead.
     let belong = positions.is_empty() && channels.is_empty() && sizes.is_empty();
-    let readings = if belong { readings::implausible(runs) } else { Vec::new() };
+    let mut readings: Vec<Implausible> = Vec::new();
+    if belong {
+        readings.extend(runs.iter().filter_map(same_place::implausible));
+        readings.extend(readings::implausible(runs));
+    }
+    if belong && readings.is_empty() {
+        readings = together::implausible(runs);
+    }
     // Of rows in another order than their readings the directions say nothing.
     let order = order::implausible(runs, positions.is_empty() && readings.is_empty());
     let belong = belong && readings.is_empty() && order.is_empty();

@@ -2,10 +2,12 @@
 
 mod at_a_point;
 mod axes;
+mod mirror;
 mod parts;
 mod physics;
 mod reordered;
 mod scaled;
+mod turned;
 mod turning;
 mod unsettled;
 mod unsigned;
@@ -16,7 +18,7 @@ use super::looked::Looked;
 use crate::Experiment;
 use crate::noise::repeatability::repeatability;
 use crate::problem::passes::passes;
-use axes::{PROBES, turned, ways};
+use axes::{PROBES, ways};
 use nalgebra::DVector;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::{Joint, NestSide};
@@ -24,7 +26,7 @@ use trunnion_cycles::{Run, RunKind};
 
 /// A mistake is believed where undoing it divides what the model leaves by this: mean square by nine, which no effect that
 /// resembles the mistake reaches by chance where dozens of readings are left.
-const BELIEVED: f64 = 3.0;
+pub(super) const BELIEVED: f64 = 3.0;
 /// Below this nothing is gross, µm rms. Of readings that vary by more, what is left of them is gross from so many repeatabilities on, where
 /// these are known and finer: but not as a mistake of one setup alone, which a lean of the tool, left by a correction, resembles.
 pub(super) const GROSS_UM: f64 = 2.0;
@@ -53,13 +55,29 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     let (mistake, left_mm) = tried.into_iter().find(|(_, left_mm)| *left_mm <= AS_GOOD * least_mm)?;
     let left_um = um_from_mm(left_mm);
     let is_believed = BELIEVED * left_um < before_um && trial.of_an_axis_mm() > AS_GOOD * left_mm;
-    is_believed.then(|| Implausible {
-        finding: format!(
-            "{}: the readings do not fit their positions: {before_um:.1} µm rms are left.",
-            run.name
-        ),
-        hypothesis: format!("With {mistake}, {left_um:.1} µm are left. Change it?"),
-        rms_um_with_it: Some(left_um),
+    is_believed.then(|| {
+        let hypothesis = match (trial.mirror(AS_GOOD * least_mm), repeated) {
+            // What is left is gross itself: it would be doubted again.
+            (_, Some(of)) if left_um >= gross_um => {
+                let repeats_um = um_from_mm(of.sigma_mm);
+                format!(
+                    "With {mistake}, {left_um:.1} µm are left, and readings of one pose repeat within {repeats_um:.2} µm: no full explanation. \
+                     Look for another mistake, alone or with it, before you change anything."
+                )
+            }
+            (Some((mirror, told_apart)), _) => {
+                format!("With {mistake}, or {mirror}, {left_um:.1} µm are left. {told_apart}")
+            }
+            (None, _) => format!("With {mistake}, {left_um:.1} µm are left. Change it?"),
+        };
+        Implausible {
+            finding: format!(
+                "{}: the readings do not fit their positions: {before_um:.1} µm rms are left.",
+                run.name
+            ),
+            hypothesis,
+            rms_um_with_it: Some(left_um),
+        }
     })
 }
 
@@ -152,7 +170,8 @@ impl Trial<'_> {
             tried.extend(self.unsigned());
             tried.extend(self.other_side(None));
             tried.extend(self.probes_scaled());
-            tried.extend(turned(self.experiment, self.model));
+            tried.extend(self.turned(None));
+            tried.extend(self.inclined());
             tried.extend(self.turning());
         }
         for setup in each {
@@ -167,7 +186,8 @@ impl Trial<'_> {
             }
             if has_three {
                 tried.extend(self.other_side(Some(setup)).map(|(words, left)| (of(words), left)));
-                tried.extend(self.setup_scaled(setup).into_iter().map(|(words, left)| (of(words), left)));
+                tried.extend(self.setup_scaled(setup));
+                tried.extend(self.turned(Some(setup)).into_iter().map(|(words, left)| (of(words), left)));
             }
             tried.extend((0..setup).filter_map(|other| self.of_setups_exchanged(other, setup)));
         }

@@ -3,7 +3,7 @@
 
 use super::claim::{Claim, TOGETHER_MM, off_mm, rms};
 use super::found::Implausible;
-use super::places;
+use super::{mirrored, places, tip};
 use std::f64::consts::PI;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::{InstrumentKind, Joint, Setup};
@@ -69,11 +69,17 @@ fn of_run(run: &Run) -> Option<Implausible> {
         first + 1,
         last + 1,
     );
+    let claim = claimed(run, &rows);
     let hypothesis = match &explained {
+        _ if !of_bar && tip::stands_while_turning(&claim) => tip::HYPOTHESIS.into(),
         None => "No single mistake of those tried explains it. Compare the points with the setup file and the machine file.".into(),
         Some((mistakes, left_mm)) => {
             let left = if of_bar { "off" } else { "apart" };
-            format!("With {mistakes} they are {left_mm:.1} mm {left}. Change it?")
+            let change = match mirrored::either_side(&claim) {
+                Some(mirror) => mirror.told_apart(),
+                None => "Change it?".into(),
+            };
+            format!("With {mistakes} they are {left_mm:.1} mm {left}. {change}")
         }
     };
     Some(Implausible {
@@ -93,13 +99,21 @@ fn in_one_setup(run: &Run, rows: &[usize], far: &[usize]) -> Option<(usize, Vec<
     (is_alone && 2 * far.len() >= own.len()).then_some((setup, own))
 }
 
+/// What some rows say, evenly chosen where there are many.
+pub(super) fn claimed<'r>(run: &'r Run, rows: &[usize]) -> Claim<'r> {
+    claim_of(run, rows.iter().step_by(rows.len().div_ceil(TRIED_POINTS).max(1)))
+}
+
+fn claim_of<'r, 'a>(run: &'r Run, rows: impl Iterator<Item = &'a usize>) -> Claim<'r> {
+    let at = |&row: &usize| (run.points[row].state.setup, run.points[row].state.position);
+    Claim { machine: &run.machine, setups: run.setups.clone(), positions: rows.map(at).collect() }
+}
+
 /// Every mistake, with what ball and nest are apart when it is undone, mm.
 fn tried(run: &Run, rows: &[usize]) -> Vec<(String, f64)> {
-    let at = |&row: &usize| (run.points[row].state.setup, run.points[row].state.position);
-    let of = |positions| Claim { machine: &run.machine, setups: run.setups.clone(), positions };
-    let claim = of(rows.iter().step_by(rows.len().div_ceil(TRIED_POINTS)).map(at).collect());
+    let claim = claimed(run, rows);
     let mut tried = mistakes(run, &claim);
-    tried.extend(late(&of(rows.iter().take(TRIED_POINTS).map(at).collect())));
+    tried.extend(late(&claim_of(run, rows.iter().take(TRIED_POINTS))));
     // Numbers that are fitted explain what any mistake does: they count where no mistake without a free number is enough.
     if explained(tried.clone()).is_none() {
         tried = places::offsets(&claim);
@@ -196,13 +210,14 @@ fn mistakes(run: &Run, claim: &Claim<'_>) -> Vec<(String, f64)> {
     let machine = claim.machine;
     let (linear, rotary) = (machine.linear_joints(), machine.rotary_joints());
     let mut tried = Vec::new();
-    for joint in machine.joints() {
-        let turned = claim.turned(|position| {
-            let mut changed = *position;
-            changed[joint] = -changed[joint];
-            changed
-        });
-        tried.push((format!("the sense of {joint} reversed (sign −1)"), turned.rms_mm()));
+    // Rotary axes first: controls count them one way or the other, linear ones seldom.
+    for &joint in rotary.iter().chain(&linear) {
+        let left_mm = mirrored::reversed_mm(claim, &[joint]);
+        tried.push((format!("the sense of {joint} reversed (sign −1)"), left_mm));
+        if rotary.len() > 1 && rotary.last() == Some(&joint) {
+            let words = format!("the senses of {} reversed (sign −1)", mirrored::names(&rotary));
+            tried.push((words, mirrored::reversed_mm(claim, &rotary)));
+        }
     }
     for joints in [&linear, &rotary] {
         for (k, &a) in joints.iter().enumerate() {

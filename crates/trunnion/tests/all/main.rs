@@ -12,6 +12,7 @@ mod forecast;
 mod joined;
 mod kept;
 mod library;
+mod likenesses;
 mod linear;
 mod lone_readings;
 mod losses;

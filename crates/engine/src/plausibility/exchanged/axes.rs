@@ -1,16 +1,7 @@
-//! Probes whose inputs or senses are exchanged, and a nest that is mounted turned.
-
-use crate::Experiment;
-use crate::plausibility::fitted::{Fitted, Tried};
-use nalgebra::{DVector, Matrix3};
-use trunnion_core::number::signed;
+//! Probes whose inputs or senses are exchanged, and a nest that is mounted turned by right angles.
 
 /// Names of the probes.
 pub(super) const PROBES: [&str; 3] = ["dx", "dy", "dz"];
-/// The two probes that a turn about the third mixes.
-const ABOUT: [([usize; 2], &str); 3] = [([0, 1], "z"), ([1, 2], "x"), ([2, 0], "y")];
-/// A nest mounted turned by less is its calibration (effect `nest-rotation`), °.
-const TURNED_DEG: i32 = 10;
 
 /// Every right reading is one of those given, or its negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,49 +74,6 @@ impl Way {
             _ => self.words(),
         }
     }
-}
-
-/// A nest that is mounted turned about one of its axes: with s = sin, c = cos of the angle, what the model leaves of
-/// c·A + s·B + D is a quadratic form in (c, s, 1), which is looked at in steps of a degree.
-pub(super) fn turned(experiment: &Experiment, model: &Fitted) -> Vec<Tried> {
-    let about = |([first, second], axis): &([usize; 2], &str)| {
-        let part = |of: &dyn Fn(&[f64; 3]) -> [f64; 3]| {
-            let mut rows = DVector::zeros(experiment.rows());
-            for (at, point) in experiment.points.iter().enumerate() {
-                experiment.rows_of(at).zip(of(&point.reading_mm)).for_each(|(row, value)| rows[row] = value);
-            }
-            model.left_mm(&rows)
-        };
-        let kept = part(&|reading| {
-            let mut kept = *reading;
-            [kept[*first], kept[*second]] = [0.0; 2];
-            kept
-        });
-        let along = part(&|reading| {
-            let mut along = [0.0; 3];
-            [along[*first], along[*second]] = [reading[*first], reading[*second]];
-            along
-        });
-        let across = part(&|reading| {
-            let mut across = [0.0; 3];
-            [across[*first], across[*second]] = [-reading[*second], reading[*first]];
-            across
-        });
-        let parts = [along, across, kept];
-        let products = Matrix3::from_fn(|i, j| parts[i].dot(&parts[j]));
-        let left_mm = |deg: i32| {
-            let (sin, cos) = f64::from(deg).to_radians().sin_cos();
-            let at = nalgebra::Vector3::new(cos, sin, 1.0);
-            (at.dot(&(products * at)).max(0.0) / experiment.rows().max(1) as f64).sqrt()
-        };
-        let angles = (-180..180).filter(|deg: &i32| deg.abs() > TURNED_DEG);
-        let (deg, left) = angles
-            .map(|deg| (deg, left_mm(deg)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or((0, f64::INFINITY));
-        (format!("the nest mounted turned by {}° about its {axis} axis", signed(f64::from(deg), 0)), left)
-    };
-    ABOUT.iter().map(about).collect()
 }
 
 #[cfg(test)]
