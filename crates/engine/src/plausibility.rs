@@ -26,6 +26,7 @@ mod stretches;
 mod temperatures;
 mod tip;
 mod together;
+mod travel;
 mod ways;
 
 pub use clock::{ClockDoubt, clock_doubt};
@@ -38,9 +39,10 @@ use trunnion_cycles::Run;
 pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let positions = positions::implausible(runs);
     let channels = channels::implausible(runs);
+    let travel = if positions.is_empty() { travel::implausible(runs) } else { Vec::new() };
     let sizes = if channels.is_empty() { sizes::implausible(runs) } else { Vec::new() };
     // Readings say nothing of their own where they are attached to wrong positions, or where a probe is dead.
-    let belong = positions.is_empty() && channels.is_empty() && sizes.is_empty();
+    let belong = positions.is_empty() && travel.is_empty() && channels.is_empty() && sizes.is_empty();
     let mut readings: Vec<Implausible> = Vec::new();
     if belong {
         readings.extend(runs.iter().filter_map(same_place::implausible));
@@ -54,5 +56,6 @@ pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let belong = belong && readings.is_empty() && order.is_empty();
     let ways = if belong { runs.iter().flat_map(ways::not_filled_in).collect() } else { Vec::new() };
     let temperatures = temperatures::implausible(runs);
-    [positions, channels, sizes, temperatures, readings, copies::implausible(runs), order, ways].concat()
+    [positions, travel, channels, sizes, temperatures, readings, copies::implausible(runs), order, ways]
+        .concat()
 }

@@ -1,7 +1,7 @@
 //! Lines along a laser: what time does is not taken for the axis, and a coarse display not for the machine.
 
 use crate::common::{point, run};
-use nalgebra::{DVector, Point3, Vector3};
+use nalgebra::{DVector, Point3, Unit, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -14,6 +14,7 @@ use trunnion_engine::diagnosis::Options;
 use trunnion_engine::fit::Options as FitOptions;
 use trunnion_engine::fit::doubts::{Doubt, DoubtReason};
 use trunnion_engine::next_cycle::{Options as PlanOptions, plan, rivals_named};
+use trunnion_engine::plausibility::implausible;
 use trunnion_engine::{Experiment, Verdict, diagnose, identify};
 use trunnion_machine::shipped;
 
@@ -34,6 +35,48 @@ fn line(positions_mm: &[f64], mut error_um: impl FnMut(f64) -> f64) -> Experimen
 
 fn one_way() -> Vec<f64> {
     (0..160).map(|i| 0.8 * f64::from(i)).collect()
+}
+
+/// A laser along X, read at −400 … 395 mm with a scale error of 100 µm/m, as a user may give it.
+#[test]
+fn readings_that_do_not_follow_the_travel_are_named_before_a_scale_is() {
+    let run_of = |direction: [f64; 3], read: &dyn Fn(f64) -> f64| {
+        let machine = shipped::machine("three-axis").unwrap();
+        let mut setup =
+            Setup::new("x", InstrumentKind::Diagonal, NestSide::Table, Point3::new(0.0, 0.0, 0.0));
+        setup.direction = Some(Unit::new_normalize(Vector3::from(direction)));
+        let points = (0..160).map(|i| {
+            let x = 5.0 * f64::from(i) - 400.0;
+            let mut position = AxisValues::default();
+            position[X] = x;
+            let state = State { position, time_s: Some(5.0 * f64::from(i)), ..State::default() };
+            point(state, [read(x * (1.0 + 1e-4) + 3e-4 * (f64::from(i) * 12.9898).sin()), 0.0, 0.0])
+        });
+        run("line", machine, vec![setup], points.collect())
+    };
+    let found = |direction: [f64; 3], read: &dyn Fn(f64) -> f64| {
+        implausible(&[run_of(direction, read)]).into_iter().map(|one| one.hypothesis).collect::<Vec<_>>()
+    };
+    let along = [1.0, 0.0, 0.0];
+    assert_eq!(found(along, &|l| l + 12.0), [""; 0], "a good line with a dead path");
+    let cases: [(&str, &dyn Fn(f64) -> f64); 5] = [
+        ("the sign of the readings", &|l| -l),
+        ("given in inches", &|l| l / 25.4),
+        ("given in µm", &|l| 1e3 * l),
+        ("given in metres", &|l| 1e-3 * l),
+        ("hold deviations", &|l| 1e-4 * l),
+    ];
+    for (words, read) in cases {
+        let said = found(along, read);
+        assert!(said.first().is_some_and(|said| said.contains(words)), "{words}: {said:?}");
+    }
+    for elsewhere in [[0.0, 1.0, 0.0], [1.0, 1.0, 0.0]] {
+        let said = found(elsewhere, &|l| l);
+        assert!(
+            said.first().is_some_and(|said| said.contains("Correct the direction")),
+            "{elsewhere:?}: {said:?}"
+        );
+    }
 }
 
 #[test]
