@@ -42,7 +42,7 @@ impl Mirror {
     pub fn told_apart(&self) -> String {
         let turns: Vec<String> = self.rotary.iter().map(|axis| format!("+{axis}")).collect();
         format!(
-            "Positions cannot tell these apart: they are mirror images, and in the wrong one values have the wrong sign. Look at the machine first: jog {} \
+            "Positions cannot distinguish these: they are mirror images, and in the wrong one values have the wrong sign. Look at the machine first: jog {} \
              and +{}, compare each with the machine file, and change what differs. Controls often count rotary axes the other way.",
             turns.join(", "),
             self.linear

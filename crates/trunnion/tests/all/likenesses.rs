@@ -37,7 +37,7 @@ fn a_machine_in_a_mirror_is_asked_about_at_every_step() {
             files.reverse(columns);
             let said = said(&files);
             assert!(said.contains(expected), "{set}, {columns:?}: {expected} in: {said}");
-            assert!(said.contains("cannot tell these apart") && said.contains("jog +"), "{set}: {said}");
+            assert!(said.contains("cannot distinguish these") && said.contains("jog +"), "{set}: {said}");
         }
     }
 }

@@ -43,8 +43,7 @@ impl Trial<'_> {
             let (deg, left_mm) = self.best_turn(None, ABOUT[0].0, -180..180, change);
             let names = order.map(|probe| PROBES[probe]).join(", ");
             let words = format!(
-                "{names} taken as raw readings of three probes at right angles to each other, inclined by {cone_deg:.1}° to z, the first at {}° \
-                 about z (and, where all read the other way, all signs reversed), and turned into the axes of the nest",
+                "{names} taken as raw readings of three probes at right angles, inclined by {cone_deg:.1}° to z, the first at {}° about z",
                 signed(f64::from(deg), 0)
             );
             (words, left_mm)

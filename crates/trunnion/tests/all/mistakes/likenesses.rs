@@ -66,7 +66,11 @@ pub const LIKENESSES: [ProbeMistake; 6] = [
             f.on_a_table_ac();
             f.reverse(&["a_deg", "c_deg"]);
         },
-        &["the senses of A and C reversed (sign −1), or the sense of Y", "cannot tell", "jog +A, +C and +Y"],
+        &[
+            "the senses of A and C reversed (sign −1), or the sense of Y",
+            "cannot distinguish",
+            "jog +A, +C and +Y",
+        ],
     ),
     (
         "senses of A and C, and then Y reversed",
