@@ -88,7 +88,7 @@ pub(crate) fn converge(
     );
     let to_noise = |datum| converge_within(design, &reduced, datum, &[], used, nothing.clone(), NOISE_KNOWN);
     let first = match to_noise(datum)? {
-        End::Rest(fit) => fit,
+        End::Rest(fit) => *fit,
         // Directions too weak to go by may run away; the noise that the columns leave over shows which they are.
         End::Creeping(_) => {
             let noise_mm = linear_noise_mm(design, &reduced, &nothing, used);
@@ -142,7 +142,7 @@ pub(crate) fn converge(
 
 /// How steps end.
 enum End {
-    Rest(Converged),
+    Rest(Box<Converged>),
     Creeping(Creeping),
 }
 
@@ -159,7 +159,7 @@ struct Creeping {
 impl End {
     fn rest(self) -> Result<Converged, IdentifyError> {
         match self {
-            Self::Rest(fit) => Ok(fit),
+            Self::Rest(fit) => Ok(*fit),
             Self::Creeping(Creeping { steps, change_mm, .. }) => {
                 Err(IdentifyError::NotConverged { steps, change_mm })
             }
@@ -292,7 +292,7 @@ fn converge_within(
     let residual_mm = readings - &predicted_mm;
     let weighted_mm = residual_mm.component_mul(&design.weights.root);
     let sigma_mm = (counted.norm_squared() / (rows_used - datum.determined.len()) as f64).sqrt();
-    Ok(End::Rest(Converged {
+    Ok(End::Rest(Box::new(Converged {
         solution,
         predicted_mm,
         residual_mm,
@@ -304,7 +304,7 @@ fn converge_within(
         sigma_mm,
         rows_used,
         prior_weights,
-    }))
+    })))
 }
 
 fn check_finite(design: &Design<'_>, residual: &DVector<f64>) -> Result<(), IdentifyError> {
