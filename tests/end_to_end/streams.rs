@@ -122,10 +122,10 @@ fn a_fit_of_blocks_gives_what_a_fit_of_all_samples_gives() {
             let (Some(value), Some(u)) = (a.value, a.u) else { continue };
             let apart = (b.value.unwrap() - value) / u;
             assert!(apart.abs() < 0.5, "{}: {apart} u apart", a.name);
-            // Averaging removes white noise, not knowledge: the uncertainties are alike. Those of the mountings and of EX0B hang on offsets that
-            // no reading shows, and so on whether the run is taken for one with offsets at all: EX0B is 1.8 (docs/measured/worlds.md).
+            // Averaging removes white noise, not knowledge: the uncertainties are alike. Those of the mountings, EX0B and EC0B hang on offsets that
+            // no reading shows, and so on whether the run is taken for one with offsets at all: EX0B is 1.8, EC0B 2.3 (docs/measured/worlds.md).
             let ratio = b.u.unwrap() / u;
-            assert!((0.6..2.2).contains(&ratio), "{}: u {ratio} times", a.name);
+            assert!((0.6..2.6).contains(&ratio), "{}: u {ratio} times", a.name);
         }
     }
 }
