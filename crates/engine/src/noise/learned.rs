@@ -16,6 +16,7 @@ pub(crate) mod kernels;
 mod lattice;
 pub(crate) mod mode;
 pub(crate) mod posterior;
+mod proposal;
 pub(crate) mod remainder;
 pub(crate) mod sigma;
 mod size;

@@ -9,24 +9,21 @@ pub(crate) fn within(z: f64) -> f64 {
     1.0 - polynomial * (-x * x).exp()
 }
 
-/// Halvings of the interval in which a deviate lies: beyond the error of [`within`].
-const BISECTIONS: usize = 30;
-/// No deviate is further out: 10⁻⁹ of all are.
-const FURTHEST: f64 = 6.0;
+/// No deviate is further out than 10⁻⁹ of all.
+const FURTHEST: f64 = 1e-9;
 
 /// Probability of no more than this deviate, Φ.
 pub(crate) fn below(z: f64) -> f64 {
     0.5 + 0.5 * within(z.abs()).copysign(z)
 }
 
-/// The deviate that is not exceeded with this probability, Φ⁻¹.
+/// The deviate that is not exceeded with this probability, Φ⁻¹: by [Abramowitz 1964 §26.2.23], error below 4.5·10⁻⁴.
 pub(crate) fn deviate(probability: f64) -> f64 {
-    let (mut low, mut high) = (0.0, FURTHEST);
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (low + high);
-        if within(middle) < (2.0 * probability - 1.0).abs() { low = middle } else { high = middle }
-    }
-    high.copysign(probability - 0.5)
+    let beyond = probability.min(1.0 - probability).max(FURTHEST);
+    let t = (-2.0 * beyond.ln()).sqrt();
+    let above = (0.010_328 * t + 0.802_853) * t + 2.515_517;
+    let under = ((0.001_308 * t + 0.189_269) * t + 1.432_788) * t + 1.0;
+    (t - above / under).copysign(probability - 0.5)
 }
 
 #[cfg(test)]

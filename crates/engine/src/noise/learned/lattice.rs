@@ -1,6 +1,6 @@
 //! Places that fill a cube of many dimensions evenly.
 //!
-//! ((m aᵏ mod n + ½)/n + φ (k + 1)) mod 1,   m = 0 … n − 1
+//! ((m aᵏ mod n + ½)/n + φ (k + 1 + r d)) mod 1,   m = 0 … n − 1,   k = 0 … d − 1
 //!
 //! The lattice of Korobov [Munger 2016], moved [Cranley 1976]: without the second term its first place is a corner, where all
 //! coordinates are extreme together. A hundred places on a line of irrational slope do not fill it: with some twenty coordinates two of
@@ -13,16 +13,16 @@ const GENERATOR: u64 = 76;
 /// φ: how far each coordinate is moved against the one before it, the golden section.
 const MOVED: f64 = 0.618_033_988_749_895;
 
-/// Of the unit cube of this dimension.
-pub(super) fn places(dimension: usize) -> impl Iterator<Item = Vec<f64>> {
-    lattice(PLACES, GENERATOR, dimension)
+/// Of the unit cube of this dimension. Those of each round are moved otherwise.
+pub(super) fn places(dimension: usize, round: usize) -> impl Iterator<Item = Vec<f64>> {
+    lattice(PLACES, GENERATOR, dimension, round)
 }
 
-fn lattice(places: u64, generator: u64, dimension: usize) -> impl Iterator<Item = Vec<f64>> {
+fn lattice(places: u64, generator: u64, dimension: usize, round: usize) -> impl Iterator<Item = Vec<f64>> {
     let next = move |power: &u64| Some(power * generator % places);
     let powers: Vec<(u64, f64)> = std::iter::successors(Some(1), next)
-        .zip(1_u32..)
-        .map(|(power, k)| (power, MOVED * f64::from(k)))
+        .zip(1 + round * dimension..)
+        .map(|(power, k)| (power, MOVED * k as f64))
         .take(dimension)
         .collect();
     let place = move |m: u64, (power, moved): &(u64, f64)| {
@@ -49,7 +49,7 @@ mod tests {
                 found.sort_unstable_by(f64::total_cmp);
                 [0.3, 0.6, 0.9].map(|share| found[(share * found.len() as f64) as usize])
             };
-            let (few, many) = (of(&mut places(dimension)), of(&mut lattice(65_521, 17, dimension)));
+            let (few, many) = (of(&mut places(dimension, 0)), of(&mut lattice(65_521, 17, dimension, 0)));
             for (few, many) in few.into_iter().zip(many) {
                 assert!((few / many - 1.0).abs() < 0.03, "{dimension}: {few} instead of {many}");
             }

@@ -6,8 +6,8 @@
 //!
 //! p(z | c) ≈ p(z | x̂_c) p(x̂_c) |R_c|^½ Π_k I_k,   R_c: correlations of H_c⁻¹,   I_k: integral of the density of one size ([`super::size`])
 //!
-//! Draws: c by p(z | c); x by normal deviates of correlation R_c, each carried over to the density of its size; weight p(z | x) p(x)/q(x), at
-//! most √n times the mean of all n [Ionides 2008]. Sizes are drawn together because parts resemble each other: drift over a pass looks like
+//! Draws: c by p(z | c); x by normal deviates ζ of correlation R_c, each carried over to the density of its size; weight p(z | x) p(x)/q(x).
+//! Where few draws count, more are made from proposals fitted to those that there are ([`super::proposal`]). Sizes are drawn together because parts resemble each other: drift over a pass looks like
 //! the offset of a pass, and with the others held where they are most probable either would be known far too well. z: the readings,
 //! compressed ([`super::compressed`]).
 
@@ -15,10 +15,10 @@ use super::Real;
 use super::compressed::{Compressed, Here, variances};
 use super::kernel::{Kernel, Part};
 use super::kernels::Kernels;
-use super::lattice::places;
 use super::mode::{LONGEST_STEP, Mode, SHORTER};
+use super::proposal::{Place, Proposal, count, shares_of};
 use super::size::{Density, OfOne};
-use crate::solve::normal::{below, deviate};
+use crate::solve::normal::below;
 use nalgebra::{DMatrix, DVector};
 
 const STEPS: usize = 8;
@@ -27,12 +27,27 @@ const GAIN_LN: f64 = 0.05;
 /// A step that gains nothing at this share of its length is not made.
 const SHORTEST: f64 = 0.04;
 
+/// At most so many rounds of draws, and none more once so many of them count: sums of their sizes are then good to 5 %, as 1/√500.
+const ROUNDS: usize = 3;
+const ENOUGH: f64 = 500.0;
+
+/// Draws that weigh so much less than the mean make up less of all than this, and are left out.
+const NEGLIGIBLE: f64 = 1e-4;
+
 /// One choice of sizes.
 pub(crate) struct Draw {
     /// Those of all draws add up to 1.
     pub weight: f64,
     /// Of the kernels, in units of the square of those of the readings.
     pub variances: Vec<f64>,
+}
+
+/// A place drawn, and what it is.
+struct Drawn {
+    place: Place,
+    /// ln p(z | x) p(x) as a density of ζ.
+    ln_density: f64,
+    variances: Vec<f64>,
 }
 
 /// `precision`: P at the mode.
@@ -47,50 +62,75 @@ pub(crate) fn draws(
     let white: Vec<f64> = kernels.list.iter().zip(&at_mode).map(of_white).collect();
     let compressed = Compressed::new(mode, precision, kernels, y);
     let posterior = Posterior { compressed, kernels, ln_rho: &mode.x()[1..] };
-    let choices = Choices::new(posterior.choices());
-    let of_place = |place: Vec<f64>| {
-        let (first, others) = place.split_first()?;
-        let (choice, ln_share) = choices.at(*first)?;
-        let (x, ln_density) = choice.at(others);
-        let ln = posterior.at(&choice.kernels, &x)?.ln_density - ln_density - ln_share;
+    let choices = posterior.choices();
+    let drawn = |place: Place| {
+        let choice = &choices[place.choice];
+        let (x, ln_volume) = choice.at(&place.deviates);
+        let ln_density = posterior.at(&choice.kernels, &x)?.ln_density + ln_volume;
         let mut variances = white.clone();
         choice.kernels.iter().zip(x.iter()).for_each(|(&k, x)| variances[k] = at_mode[k] * (2.0 * x).exp());
-        Some((ln, variances))
+        Some(Drawn { place, ln_density, variances })
     };
-    let drawn: Vec<(f64, Vec<f64>)> = places(1 + at_mode.len()).filter_map(of_place).collect();
-    if drawn.is_empty() {
+    let first = Proposal::first(&choices);
+    let mut all: Vec<Drawn> = first.draws(&choices, at_mode.len(), 0).filter_map(drawn).collect();
+    let mut proposals = vec![first];
+    let mut ln_weights = of_mixture(&choices, &proposals, &all);
+    while proposals.len() < ROUNDS && !all.is_empty() && count(&truncated(&ln_weights)) < ENOUGH {
+        let first = &proposals[0];
+        let over_first = |drawn: &Drawn| drawn.ln_density - first.ln_density(&choices, &drawn.place);
+        let over_first: Vec<(&Place, f64)> =
+            all.iter().map(|drawn| (&drawn.place, over_first(drawn))).collect();
+        let nearer = first.nearer(&choices, &over_first, &ln_weights);
+        all.extend(nearer.draws(&choices, at_mode.len(), proposals.len()).filter_map(drawn));
+        proposals.push(nearer);
+        ln_weights = of_mixture(&choices, &proposals, &all);
+    }
+    if all.is_empty() {
         // Rounding leaves no covariance but that of the mode.
         return vec![Draw { weight: 1.0, variances: at_mode }];
     }
-    let weights = weights(drawn.iter().map(|(ln, _)| *ln));
-    drawn.into_iter().zip(weights).map(|((_, variances), weight)| Draw { weight, variances }).collect()
+    let weights = truncated(&ln_weights);
+    let least = NEGLIGIBLE / all.len() as f64;
+    all.into_iter()
+        .zip(weights)
+        .filter(|(_, weight)| *weight > least)
+        .map(|(drawn, weight)| Draw { weight, variances: drawn.variances })
+        .collect()
 }
 
-/// Weights that add up to 1 from their logarithms, none larger than √n times the mean.
-fn weights(ln: impl Iterator<Item = f64> + Clone) -> Vec<f64> {
-    let most = ln.clone().fold(f64::NEG_INFINITY, f64::max);
-    let mut weights: Vec<f64> = ln.map(|ln| (ln - most).exp()).collect();
-    let largest = weights.iter().sum::<f64>() / (weights.len() as f64).sqrt();
+/// ln of the posterior over the mean density of all proposals [Veach 1995].
+fn of_mixture(choices: &[Choice], proposals: &[Proposal], all: &[Drawn]) -> Vec<f64> {
+    let of_draw = |drawn: &Drawn| {
+        let ln: Vec<f64> =
+            proposals.iter().map(|proposal| proposal.ln_density(choices, &drawn.place)).collect();
+        let most = ln.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let sum: f64 = ln.iter().map(|ln| (ln - most).exp()).sum();
+        drawn.ln_density - most - (sum / ln.len() as f64).ln()
+    };
+    all.iter().map(of_draw).collect()
+}
+
+/// Weights that add up to 1, none larger than √n times the mean [Ionides 2008].
+fn truncated(ln_weights: &[f64]) -> Vec<f64> {
+    let largest = (ln_weights.len() as f64).sqrt().recip();
+    let mut weights = shares_of(ln_weights.iter().copied());
     weights.iter_mut().for_each(|weight| *weight = weight.min(largest));
     let sum: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= sum);
     weights
 }
 
-/// All choices of parts, with the probability of each.
-struct Choices(Vec<(Choice, f64)>);
-
 /// A choice of parts at its mode.
-struct Choice {
-    kernels: Vec<usize>,
+pub(super) struct Choice {
+    pub kernels: Vec<usize>,
     /// x̂: ln ρ of those less ln ρ̂ of all kernels together.
-    x: DVector<f64>,
-    densities: Vec<Density>,
+    pub x: DVector<f64>,
+    pub densities: Vec<Density>,
     /// R = L Lᵀ: L, and ½ ln|R|.
-    root: DMatrix<f64>,
-    ln_root: f64,
+    pub root: DMatrix<f64>,
+    pub ln_root: f64,
     /// ln p(z | c), but for a constant.
-    ln_evidence: f64,
+    pub ln_evidence: f64,
 }
 
 /// The posterior at some sizes.
@@ -108,42 +148,16 @@ struct Posterior<'a> {
     ln_rho: &'a [f64],
 }
 
-impl Choices {
-    fn new(choices: Vec<Choice>) -> Self {
-        let most = choices.iter().map(|choice| choice.ln_evidence).fold(f64::NEG_INFINITY, f64::max);
-        let whole: f64 = choices.iter().map(|choice| (choice.ln_evidence - most).exp()).sum();
-        let share = |choice: Choice| {
-            let share = (choice.ln_evidence - most).exp() / whole;
-            (choice, share)
-        };
-        Self(choices.into_iter().map(share).collect())
-    }
-
-    /// The choice at a place between 0 and 1, and ln of its probability.
-    fn at(&self, mut place: f64) -> Option<(&Choice, f64)> {
-        let is_it = |(_, share): &&(Choice, f64)| {
-            place -= share;
-            place < 0.0
-        };
-        let found = self.0.iter().find(is_it).or(self.0.last());
-        found.map(|(choice, share)| (choice, share.ln()))
-    }
-}
-
 impl Choice {
-    /// Sizes at a place of the unit cube, and ln of their density without √2π to their number.
-    fn at(&self, place: &[f64]) -> (DVector<f64>, f64) {
-        let places = place.iter().take(self.x.len()).map(|place| deviate(*place));
-        let z = DVector::from_iterator(self.x.len(), places);
-        let together = &self.root * &z;
-        // q(x) = N(ζ; 0, R)/Π N(ζ_k; 0, 1) · Π q_k(x_k),   ζ = L z
-        let mut ln_density = 0.5 * (together.norm_squared() - z.norm_squared()) - self.ln_root;
-        let x = DVector::from_fn(z.len(), |k, _| {
-            let (off, density) = self.densities[k].quantile(below(together[k]));
-            ln_density += density.ln() + 0.5 * (2.0 * std::f64::consts::PI).ln();
+    /// Sizes at normal deviates, and ln of dx/dζ with √2π to their number.
+    fn at(&self, deviates: &DVector<f64>) -> (DVector<f64>, f64) {
+        let mut ln_volume = 0.0;
+        let x = DVector::from_fn(deviates.len(), |k, _| {
+            let (off, density) = self.densities[k].quantile(below(deviates[k]));
+            ln_volume -= density.ln() + 0.5 * deviates[k].powi(2) + 0.5 * (2.0 * std::f64::consts::PI).ln();
             self.x[k] + off
         });
-        (x, ln_density)
+        (x, ln_volume)
     }
 }
 
