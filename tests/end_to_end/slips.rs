@@ -58,3 +58,38 @@ fn a_slip_in_a_name_is_answered_with_the_name_that_was_meant() {
         assert!(!done && error.contains(meant), "{args:?}: {error}");
     }
 }
+
+#[test]
+fn a_model_file_among_recordings_is_answered_with_the_option_that_takes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = written(folder.path(), "m.toml", MODEL);
+    for args in [&["predict", &model, "--fitted", &model, "--model", &model][..], &["identify", &model]] {
+        let (done, _, error) = output(args);
+        let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            !done && error.ends_with("is a model file, no recording; a model file goes with --model"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn effects_of_a_model_file_of_another_machine_are_named_where_the_answer_has_no_room_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = imported(folder.path(), |_, rows| rows.into_iter().map(str::to_owned).collect());
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let other = written(folder.path(), "other.toml", &MODEL.replace("table-bc", "table-ac"));
+    let export = ["export", "csv", &run, "--model", &other, "--what", "residuals", "-o", &path("r.csv")];
+    for args in [
+        &["volumetric", &run, "--model", &other][..],
+        &["report", &run, "--model", &other, "-o", &path("r.html")],
+        &export,
+    ] {
+        let (done, _, error) = output(args);
+        let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
+        let named = "the model file is of machine table-ac, the runs were measured on machine table-bc.";
+        assert!(done && error.contains(named), "{args:?}: {error}");
+    }
+}
+
+const MODEL: &str = "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"location-errors\"\n\n[[effect]]\nid = \"ball-setting\"\n";

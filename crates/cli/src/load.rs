@@ -173,7 +173,15 @@ pub fn no_points_file(path: &Path) -> anyhow::Result<()> {
             path.display()
         );
     }
+    if is_model_file(path) {
+        bail!("{} is a model file, no recording; a model file goes with --model", path.display());
+    }
     Ok(())
+}
+
+/// One that does not read as a model is refused as what it is not: a recording.
+fn is_model_file(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == "toml") && Model::load(path).is_ok()
 }
 
 impl ModelArgs {
@@ -183,5 +191,14 @@ impl ModelArgs {
             None => experiment.base_model(),
             Some(path) => Model::load(path)?,
         })
+    }
+
+    /// The same for a command whose answer has no room for doubts: one of the file goes to standard error.
+    pub fn stated_model(&self, experiment: &Experiment) -> anyhow::Result<Model> {
+        let model = self.model(experiment)?;
+        if let Some(doubt) = model.doubt_for(&experiment.machine().name) {
+            terminal::remark(&doubt.words);
+        }
+        Ok(model)
     }
 }

@@ -125,8 +125,7 @@ impl Fit {
     pub(crate) fn doubts(&self) -> Vec<results::Doubt> {
         let found = doubts(self.experiment.points(), self.model.entries(), self.identification());
         let of_readings = self.experiment.doubts().iter().cloned();
-        let machines = [self.model.machine(), &self.experiment.machine().name];
-        let of_model = (machines[0] != machines[1]).then(|| results::Doubt::other_machine(machines));
+        let of_model = self.model.doubt_for(&self.experiment.machine().name);
         of_readings.chain(of_model).chain(found.iter().map(results::Doubt::from)).collect()
     }
 

@@ -84,6 +84,12 @@ impl Model {
         &self.text
     }
 
+    /// Why its effects may not be those of runs of a machine of this name: the file names another.
+    pub fn doubt_for(&self, machine: &str) -> Option<results::Doubt> {
+        let machines = [self.machine(), machine];
+        (machines[0] != machines[1]).then(|| results::Doubt::other_machine(machines))
+    }
+
     /// Refuses runs of a machine that is not that of the file.
     pub(crate) fn is_of(&self, runs: &[Run]) -> Result<(), Error> {
         match runs.iter().find(|run| run.machine.name != self.machine()) {

@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     output::not_an_input(&outputs, args.runs.runs.paths(&args.model))?;
     let values = values(args, control)?;
     let Loaded { experiment, outcome } = load::trusted_runs(&args.runs)?;
-    let fit = experiment.fit(&args.model.model(&experiment)?)?;
+    let fit = experiment.fit(&args.model.stated_model(&experiment)?)?;
     if !args.judge.is_empty() {
         return judge(args, &fit.correction(control, values, Verdict::NotJudged)?);
     }

@@ -64,7 +64,7 @@ fn plan_next(args: &Args) -> anyhow::Result<Outcome> {
         runs: load::RunArgs::of(args.runs.clone()),
         anyway: args.anyway,
     })?;
-    let model = load::ModelArgs { model: args.model.clone() }.model(&experiment)?;
+    let model = load::ModelArgs { model: args.model.clone() }.stated_model(&experiment)?;
     let Some(plan) = experiment.fit(&model)?.plan(&args.rivals)? else {
         bail!(
             "nothing is confused and nothing is hidden in these runs; name effects with --rivals to compare them"

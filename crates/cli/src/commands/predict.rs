@@ -44,7 +44,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if args.json {
         terminal::print_json(&prediction)?;
     } else {
-        terminal::print(&trunnion::report::prediction_text(&prediction))?;
+        let values = if args.fitted.is_empty() { "that it keeps" } else { "fitted to the runs of --fitted" };
+        let of = format!("Effects of {}, values {values}.", args.model.display());
+        terminal::print(&format!("{of}\n{}", trunnion::report::prediction_text(&prediction)))?;
     }
     Ok(if of_fitted == Outcome::Done { outcome } else { of_fitted })
 }

@@ -106,7 +106,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
         tolerance_um: args.tolerance_um,
         written: today()?,
     };
-    let compared = experiment.fit(&args.model.model(&experiment)?)?.compare();
+    let compared = experiment.fit(&args.model.stated_model(&experiment)?)?.compare();
     let compared = compared.with_losses(&load::kept_losses(&args.runs.runs)).with_best();
     let mut outcome = outcome.with_verdict(compared.diagnosed().results().verdict);
     let mut report = compared.report(&args.runs.runs, &filing)?;

@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     output::not_an_input(&outputs, args.runs.paths(&args.model))?;
     let loaded = load::runs(&args.runs)?;
     let (outcome, experiment) = (loaded.stated_judgement(), loaded.experiment);
-    let fit = experiment.fit(&args.model.model(&experiment)?)?;
+    let fit = experiment.fit(&args.model.stated_model(&experiment)?)?;
     let answer = fit.volumetric(&args.volume, args.steps.map(usize::from), args.tool_point.0, args.datum)?;
     if let Some(path) = &args.html {
         output::write(path, &answer.page())?;

@@ -41,7 +41,9 @@ fn run(request: &Request) -> anyhow::Result<Outcome> {
 
 fn fit(request: &Request, run: &Path) -> anyhow::Result<(Fit, Outcome)> {
     let loaded = load::runs(&RunArgs::of(vec![run.into()]))?;
-    let fit =
-        loaded.experiment.fit(&request.model.model(&loaded.experiment)?).context("the model does not fit")?;
+    let fit = loaded
+        .experiment
+        .fit(&request.model.stated_model(&loaded.experiment)?)
+        .context("the model does not fit")?;
     Ok((fit, loaded.stated_judgement()))
 }

@@ -21,7 +21,7 @@ pub fn of(run: &Path, what: Option<&str>, model: &ModelArgs) -> anyhow::Result<(
         return Ok((table, load::outcome(&missing)));
     }
     let loaded = load::runs(&load::RunArgs::of(vec![run.into()]))?;
-    let fit = loaded.experiment.fit(&model.model(&loaded.experiment)?)?;
+    let fit = loaded.experiment.fit(&model.stated_model(&loaded.experiment)?)?;
     let table = match part {
         "parameters" => parameters_csv(&fit.results()),
         "runs" => run_csv(&fit.results()),
