@@ -5,11 +5,11 @@
 use crate::error::ServiceError;
 use crate::found::found;
 use crate::run_record;
+use crate::stamp::{Stamp, stamp};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
 use tracing::warn;
 use trunnion::Compared;
 use trunnion::page::label;
@@ -22,7 +22,8 @@ const ENDING: &str = "story.jsonl";
 #[derive(Serialize, Deserialize)]
 struct Head {
     of: Of,
-    /// SHA-256 of every file of the run, which a copy keeps and its time of writing does not; `None` for a file that was gone.
+    /// SHA-256 of every file of the run, which a copy keeps and its time of writing does not; `None` for a file that was gone. Stories of
+    /// earlier versions have none: of theirs the lengths alone are known to stay.
     #[serde(default)]
     contents: Vec<Option<String>>,
     found: RunFound,
@@ -33,8 +34,8 @@ struct Head {
 struct Of {
     /// The program that analysed.
     program: String,
-    /// Length and time of writing of every file of the run; none where one is gone.
-    files: Vec<Option<(u64, u128)>>,
+    /// Of every file of the run.
+    files: Vec<Stamp>,
     /// Text of the model that judged.
     model: String,
 }
@@ -47,11 +48,6 @@ impl Of {
 
 fn contents(files: &[PathBuf]) -> Vec<Option<String>> {
     files.iter().map(|file| trunnion::sha256(file).ok()).collect()
-}
-
-fn stamp(file: &Path) -> Option<(u64, u128)> {
-    let about = file.metadata().ok()?;
-    Some((about.len(), about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?.as_nanos()))
 }
 
 /// The story of an analysis of these files, and the analysis in short, as text.
@@ -99,9 +95,15 @@ pub enum Kept {
 pub fn found_in(recording: &Path) -> Kept {
     let Some(Head { of, contents: then, found }) = first_line(recording) else { return Kept::Nothing };
     let files = run_record::files_of(recording);
-    let is_same = || of.files == files.iter().map(|file| stamp(file)).collect::<Vec<_>>();
-    let is_of_it = !recording.exists() || is_same() || then == contents(&files);
+    let now: Vec<Stamp> = files.iter().map(|file| stamp(file)).collect();
+    let has_contents =
+        || if then.is_empty() { lengths(&of.files) == lengths(&now) } else { then == contents(&files) };
+    let is_of_it = !recording.exists() || of.files == now || has_contents();
     if is_of_it { Kept::Found(found.into()) } else { Kept::OfOthers }
+}
+
+fn lengths(files: &[Stamp]) -> Vec<Option<u64>> {
+    files.iter().map(|stamp| stamp.map(|(length, _)| length)).collect()
 }
 
 /// Where the story of a recording is kept.

@@ -29,4 +29,5 @@ mod recording;
 mod refused;
 pub mod run_record;
 pub mod set_up;
+mod stamp;
 pub mod storage;

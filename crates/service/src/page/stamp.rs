@@ -1,17 +1,8 @@
-//! Whether a file is the one that was read.
+//! The files that the answers of a run come from, and whether they are those that were read.
 
 use crate::run_record;
+use crate::stamp::{Stamp, stamp};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
-
-/// Changes when a file does.
-pub type Stamp = Option<(SystemTime, u64)>;
-
-/// Of a file as it is now; `None` where there is none.
-pub fn stamp(path: &Path) -> Stamp {
-    let about = std::fs::metadata(path).ok()?;
-    Some((about.modified().ok()?, about.len()))
-}
 
 /// The model file that belongs to a recording alone.
 pub fn own_model(recording: &Path) -> PathBuf {

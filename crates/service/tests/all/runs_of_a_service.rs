@@ -153,3 +153,27 @@ async fn the_list_shows_what_was_found_in_this_recording_and_nothing_of_one_that
     std::fs::write(&recording, analysed).unwrap();
     assert_eq!(listed().await, found);
 }
+
+#[tokio::test]
+async fn a_story_of_an_earlier_version_is_of_a_copy_of_the_same_length_and_of_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = record(&folder.path().join("run.mcap"), points());
+    write_report(&recording, None, "2026-11-23").unwrap();
+    let story = recording.with_extension("story.jsonl");
+    let text = std::fs::read_to_string(&story).unwrap();
+    let (head, rest) = text.split_once('\n').unwrap();
+    let mut head: serde_json::Value = serde_json::from_str(head).unwrap();
+    head.as_object_mut().unwrap().remove("contents").unwrap();
+    std::fs::write(&story, format!("{head}\n{rest}")).unwrap();
+    let runs = Runs::of_folder(folder.path(), None, here());
+    let page = Page::over(runs, folder, Serves::Service, &[], Access::this_computer()).await;
+    let listed = || async { page.json("GET /api/runs", "", "").await["runs"][0]["found"].clone() };
+
+    // A copy is written at another time.
+    let later = SystemTime::now() + Duration::from_secs(1);
+    let file = std::fs::File::options().append(true).open(&recording).unwrap();
+    file.set_modified(later).unwrap();
+    assert_eq!(listed().await["verdict"], "missing-effect");
+    file.set_len(file.metadata().unwrap().len() - 1).unwrap();
+    assert_eq!(listed().await, serde_json::Value::Null);
+}
