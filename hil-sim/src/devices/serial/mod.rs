@@ -55,7 +55,8 @@ pub fn spawn<D: SerialDevice>(
     let faults = FaultSource::new(origin, scheduled, commanded);
     let stop = CancellationToken::new();
     let latest_us = Arc::new(AtomicU64::new(0));
-    let task = tokio::spawn(run(name, device, link, (origin, latest_us.clone()), faults, stop.clone()));
+    let times = Times { origin, latest_us: Arc::clone(&latest_us) };
+    let task = tokio::spawn(run(name, device, link, times, faults, stop.clone()));
     let handle =
         Handle::new(Address::Port(port.to_owned()), (commands, can_have::<D>), lost_bytes, stop, task);
     Ok(handle.noting(latest_us))
@@ -65,11 +66,18 @@ fn can_have<D: SerialDevice>(fault: &Fault) -> bool {
     fault.is_possible() && (fault.is_of_the_line() || D::has(fault))
 }
 
+/// Where the times of a device begin, and by how much it was late at most.
+struct Times {
+    origin: TimeOrigin,
+    /// Read through [`Handle::latest`].
+    latest_us: Arc<AtomicU64>,
+}
+
 async fn run(
     name: &'static str,
     mut device: impl SerialDevice,
     mut link: Link,
-    (origin, latest_us): (TimeOrigin, Arc<AtomicU64>),
+    Times { origin, latest_us }: Times,
     mut faults: FaultSource,
     stop: CancellationToken,
 ) {
