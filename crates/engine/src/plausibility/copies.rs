@@ -1,5 +1,7 @@
 //! Is anything there twice?
 
+mod stretch;
+
 use super::found::{Implausible, plain};
 use super::shown::{Shown, same_by_chance, would_differ};
 use trunnion_core::Point;
@@ -17,7 +19,10 @@ const SURE: f64 = 4.0;
 const ROWS_SHOWN: usize = 4;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
-    let of_run = |run: &Run| copies(run).into_iter().chain(setups(run)).chain(held(run)).collect::<Vec<_>>();
+    let of_run = |run: &Run| {
+        let found: Vec<Implausible> = copies(run).into_iter().chain(setups(run)).chain(held(run)).collect();
+        if found.is_empty() { stretch::copied(run).into_iter().collect() } else { found }
+    };
     same_run(runs).into_iter().chain(runs.iter().flat_map(of_run)).collect()
 }
 
