@@ -167,7 +167,7 @@ impl Trial<'_> {
         }
         if has_three {
             tried.extend(self.absolute());
-            tried.extend(self.unsigned());
+            tried.extend(self.unsigned(None));
             tried.extend(self.other_side(None));
             tried.extend(self.probes_scaled());
             tried.extend(self.turned(None));
@@ -187,12 +187,14 @@ impl Trial<'_> {
             if has_three {
                 tried.extend(self.other_side(Some(setup)).map(|(words, left)| (of(words), left)));
                 tried.extend(self.setup_scaled(setup));
+                tried.extend(self.unsigned(Some(setup)).map(|(words, left)| (of(words), left)));
                 tried.extend(self.turned(Some(setup)).into_iter().map(|(words, left)| (of(words), left)));
             }
             tried.extend((0..setup).filter_map(|other| self.of_setups_exchanged(other, setup)));
         }
         if has_three {
             tried.extend(self.changed_at_a_point());
+            tried.extend(self.late_between_points());
         }
         // What a correction leaves of a lean of the tool differs with the length of the tool, so with the setup.
         if has_three && of_setups {

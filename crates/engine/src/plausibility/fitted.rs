@@ -77,6 +77,38 @@ impl Fitted {
         rows.iter().map(of_row).collect()
     }
 
+    /// Rms of what it leaves of readings that are `inside` from one row to before another, and `outside` elsewhere, mm, and between which two of
+    /// `rows`, ascending, that is the least. From one row to the next Σr² = |y|² − |Bᵀy|² changes by sums of its own. Of a fit to every row.
+    pub fn least_of_windows_mm(
+        &self,
+        outside: &DVector<f64>,
+        inside: &DVector<f64>,
+        rows: &[usize],
+    ) -> Option<([usize; 2], f64)> {
+        let along_outside = self.basis.tr_mul(outside);
+        let (mut square, mut along) = (0.0, 0.0 * &along_outside);
+        let mut next = 0;
+        let sums: Vec<(f64, DVector<f64>)> = rows
+            .iter()
+            .map(|&end| {
+                for row in next..end {
+                    square += inside[row].powi(2) - outside[row].powi(2);
+                    along += self.basis.row(row).transpose() * (inside[row] - outside[row]);
+                }
+                next = end;
+                (square, along.clone())
+            })
+            .collect();
+        let left = |[first, last]: [usize; 2]| {
+            let ([of_first, of_last], whole) = ([&sums[first], &sums[last]], outside.norm_squared());
+            whole + of_last.0 - of_first.0 - (&along_outside + &of_last.1 - &of_first.1).norm_squared()
+        };
+        let windows = (0..rows.len()).flat_map(|last| (0..last).map(move |first| [first, last]));
+        let least = windows.map(|window| (window, left(window))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (window, square) = least;
+        Some((window.map(|at| rows[at]), (square.max(0.0) / outside.len().max(1) as f64).sqrt()))
+    }
+
     /// Rms of what it leaves with some more columns, mm.
     pub fn rms_with_mm(&self, columns: &DMatrix<f64>, readings_mm: &DVector<f64>) -> f64 {
         let new = orthonormal(&(columns - &self.directions * self.basis.tr_mul(columns)));

@@ -1,6 +1,7 @@
 //! Gross mistakes that people make with points and their files, and what becomes of each (docs/measured/mistakes.md).
 
 mod bars;
+mod blocks;
 mod files;
 mod likenesses;
 mod probes;
@@ -8,6 +9,7 @@ mod rows;
 
 use crate::section::write_or_compare;
 use bars::{BARS, bar};
+use blocks::BLOCKS;
 use files::{Becomes, FILES};
 use likenesses::LIKENESSES;
 use probes::PROBES;
@@ -225,7 +227,7 @@ fn every_gross_mistake_is_refused_read_named_or_doubted() {
         assert!(expected.iter().all(|words| text.contains(words)), "{name}: {expected:?} in: {text}");
         table += &row(name, &text);
     }
-    for (name, set, spoil, expected) in PROBES.into_iter().chain(ROWS).chain(LIKENESSES) {
+    for (name, set, spoil, expected) in PROBES.into_iter().chain(ROWS).chain(BLOCKS).chain(LIKENESSES) {
         let mut files = Files::committed(set);
         spoil(&mut files);
         let text = said(&files.open());

@@ -1,4 +1,5 @@
-//! Probe inputs that were exchanged, or turned round, or readings of which one was lost or doubled, while a run went on.
+//! Probe inputs that were exchanged, or turned round, or readings of which one was lost or doubled, while a run went on; and readings of which
+//! one was lost and a later one doubled, or the other way round, so that those between the two are late or early.
 //!
 //! Of a machine with small errors alone, a shift from that point on (a slip, the other direction of an axis with play) looks like a change of
 //! sign. So the mistake has to leave far less than any shift there.
@@ -7,6 +8,7 @@ use super::axes::{Way, ways};
 use super::{BELIEVED, Trial};
 use crate::plausibility::fitted::Tried;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Fewer points are single wrong ones, or too few to tell.
 const FEWEST: usize = 12;
@@ -41,10 +43,33 @@ impl Trial<'_> {
         ways().into_iter().map(of_way).chain(late).filter_map(of_change).collect()
     }
 
+    /// Readings one row late or early between the two points with which least is left.
+    pub(super) fn late_between_points(&self) -> Vec<Tried> {
+        let (experiment, count) = (self.experiment, self.experiment.points.len());
+        let points: Vec<usize> = (0..count).collect();
+        let rows: Vec<usize> = points.iter().map(|&at| experiment.rows_of(at).start).collect();
+        let as_given = experiment.readings_mm();
+        let of_change = |(words, changed): (String, DVector<f64>)| {
+            let (window, left_mm) = self.model.least_of_windows_mm(&as_given, &changed, &rows)?;
+            let [first, last] = window.map(|row| rows.partition_point(|&begins| begins < row));
+            let shifted_mm = self.model.rms_with_mm(&self.shift_of(first..last), &as_given);
+            (last - first >= FEWEST && BELIEVED * left_mm <= shifted_mm).then(|| {
+                let [first, last] = [first, last].map(|at| 100.0 * at as f64 / count as f64);
+                (format!("the readings {words} from {first:.0} % to {last:.0} % of the points"), left_mm)
+            })
+        };
+        self.late_rows(&points, &[0, 1, 2], 1).into_iter().filter_map(of_change).collect()
+    }
+
     /// A shift of every channel from a point on.
     pub(super) fn shift_from(&self, from: usize) -> DMatrix<f64> {
+        self.shift_of(from..self.experiment.points.len())
+    }
+
+    /// The same of some points.
+    pub(super) fn shift_of(&self, points: Range<usize>) -> DMatrix<f64> {
         let mut shift = DMatrix::zeros(self.experiment.rows(), 3);
-        for at in from..self.experiment.points.len() {
+        for at in points {
             self.experiment.rows_of(at).enumerate().for_each(|(channel, row)| shift[(row, channel)] = 1.0);
         }
         shift

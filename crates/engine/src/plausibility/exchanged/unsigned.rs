@@ -14,20 +14,21 @@ use nalgebra::DVector;
 const MOST_ROUNDS: usize = 30;
 
 impl Trial<'_> {
-    /// Of every probe that never reads less than zero, where there is one.
-    pub(super) fn unsigned(&self) -> Option<Tried> {
+    /// Of every probe that never reads less than zero, where there is one; in one setup, or all.
+    pub(super) fn unsigned(&self, setup: Option<usize>) -> Option<Tried> {
         let readings_mm = self.experiment.readings_mm();
         let points = &self.experiment.points;
-        let lost = [0, 1, 2].map(|probe| points.iter().all(|point| point.reading_mm[probe] >= 0.0));
+        let own = self.points_of(setup);
+        let lost = [0, 1, 2].map(|probe| own.iter().all(|&at| points[at].reading_mm[probe] >= 0.0));
         let mut is_lost = vec![false; readings_mm.len()];
-        for at in 0..points.len() {
+        for at in own {
             let own = self.experiment.rows_of(at).enumerate();
             own.for_each(|(probe, row)| is_lost[row] = lost[probe]);
         }
         let names: Vec<&str> = (0..3).filter(|&probe| lost[probe]).map(|probe| PROBES[probe]).collect();
         let mut guess_mm = match names.len() {
             0 => return None,
-            3 => self.model.strongest(&readings_mm)?,
+            3 if setup.is_none() => self.model.strongest(&readings_mm)?,
             _ => {
                 let of_others = Fitted::on(&columns(self.experiment)?, |row| !is_lost[row]);
                 &readings_mm - of_others.left_mm(&readings_mm)
