@@ -2,6 +2,9 @@
 //!
 //! The reading of a setup grows with the nominal one: s = n·y/n·n = 1, both less their means. Scales and wavelengths are right to 10⁻³, and a beam that is
 //! 8° off reads 1 % short; a share that is farther from 1 is a sign, a unit, a deviation instead of a length or another direction.
+//! Positions that are the readings themselves, rounded, follow them better than any axis does, and leave no error.
+
+mod targets;
 
 use super::found::{Implausible, plain};
 use super::readings::FEWEST_POINTS;
@@ -91,7 +94,10 @@ impl<'a> Line<'a> {
         }
         let share = self.nominal_mm.dot(&self.readings_mm) / self.nominal_mm.norm_squared();
         let is = |factor: f64| (share / factor - 1.0).abs() < ALIKE;
-        (!is(1.0)).then(|| {
+        if is(1.0) {
+            return self.no_targets();
+        }
+        Some({
             let finding = format!(
                 "{}: along the direction of setup {} the axes travel {:.1} mm rms, and the readings follow {} times as far.",
                 self.run.name,
@@ -101,7 +107,9 @@ impl<'a> Line<'a> {
             );
             match MISTAKES.into_iter().find(|(factor, _)| is(*factor)) {
                 Some((factor, mistake)) => {
-                    let left_um = um_from_mm(rms((&self.readings_mm / factor - &self.nominal_mm).iter().copied()).unwrap_or(0.0));
+                    let left_um = um_from_mm(
+                        rms((&self.readings_mm / factor - &self.nominal_mm).iter().copied()).unwrap_or(0.0),
+                    );
                     let hypothesis = format!("If {mistake}, {left_um:.1} µm rms are left. Change it?");
                     Implausible { rms_um_with_it: Some(left_um), ..plain(finding, &hypothesis) }
                 }
@@ -110,8 +118,11 @@ impl<'a> Line<'a> {
                     "The readings hold deviations from the target, not lengths: add the position of the axis to them, or export lengths. Or the \
                      beam was along another axis.",
                 ),
-                None => plain(finding, "Check the unit and the direction of the setup, and that every reading stands in the row of its position: no single mistake \
-                     of unit or sign explains it."),
+                None => plain(
+                    finding,
+                    "Check the unit and the direction of the setup, and that every reading stands in the row of its position: no single mistake \
+                     of unit or sign explains it.",
+                ),
             }
         })
     }

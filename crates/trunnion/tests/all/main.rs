@@ -11,6 +11,7 @@ mod examples;
 mod forecast;
 mod joined;
 mod kept;
+mod lengths;
 mod library;
 mod likenesses;
 mod linear;
