@@ -47,6 +47,19 @@ fn a_coarse_display_of_a_quiet_machine_raises_no_doubt() {
     }
 }
 
+/// A table that turns there and back once, while a ball works loose: nothing of the readings comes back, and none was sorted.
+#[test]
+fn a_drift_larger_than_all_that_one_turn_does_is_no_sorted_column() {
+    let mut files = Files::committed("points-nothing-hidden");
+    let [b, dz] = ["b_deg", "dz_um"].map(|name| files.column(name));
+    files.rows.retain(|row| row[b].parse::<f64>().unwrap() == 0.0);
+    for (k, row) in files.rows.iter_mut().enumerate() {
+        row[dz] = format!("{:.2}", row[dz].parse::<f64>().unwrap() + 2.0 * k as f64);
+    }
+    let found = files.open().check().plausibility;
+    assert!(found.iter().all(|one| !one.finding.contains("from row to row")), "{found:?}");
+}
+
 /// A sensor that never moved, a display in steps of 0.1 K, a motor that settles for the larger part of the run, a change that takes several
 /// readings, and one that two sensors show.
 #[test]
