@@ -32,6 +32,7 @@ mod ways;
 pub use clock::{ClockDoubt, clock_doubt};
 pub use found::Implausible;
 pub use readings::FEWEST_POINTS;
+pub use together::{Unlike, unlike};
 
 use trunnion_cycles::Run;
 

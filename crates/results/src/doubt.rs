@@ -3,9 +3,9 @@
 use crate::number::{plain, um, value_and_u, with_unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trunnion_core::number::signed;
+use trunnion_core::number::{fixed, signed};
 use trunnion_engine::fit::doubts as engine;
-use trunnion_engine::plausibility::ClockDoubt;
+use trunnion_engine::plausibility::{ClockDoubt, Unlike};
 
 /// Numbers of a fit to doubt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -45,6 +45,8 @@ pub enum DoubtReason {
     LoneReadings,
     /// The model names another machine than the runs.
     OtherMachine,
+    /// The location errors of two runs are as unlike as those of two machines.
+    UnlikeRuns,
 }
 
 impl Doubt {
@@ -68,6 +70,22 @@ impl Doubt {
              that it fixes or expects are taken as they stand. Name a model file of {of_runs}, or correct the machine in this one."
         );
         Self { effect: None, names: Vec::new(), reason: DoubtReason::OtherMachine, words }
+    }
+}
+
+impl Doubt {
+    /// About two runs that are fitted together.
+    pub fn unlike_runs(unlike: &Unlike) -> Self {
+        let Unlike { runs: [a, b], count, differ_um, most, shown } = unlike;
+        let words = format!(
+            "the runs {a} and {b} are as unlike as those of two machines: all {count} location errors that both determine differ, by {} µm rms at the \
+             ball; {most} is {} in {a} and {} in {b}. Are both of one machine, in one state? Fit them one by one: what is fitted to both \
+             may hold for neither.",
+            fixed(*differ_um, 1),
+            shown[0],
+            shown[1]
+        );
+        Self { effect: None, names: Vec::new(), reason: DoubtReason::UnlikeRuns, words }
     }
 }
 

@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 use trunnion_core::Point;
 use trunnion_cycles::Run;
 use trunnion_engine::ExperimentError;
-use trunnion_engine::plausibility::{Implausible, implausible};
+use trunnion_engine::plausibility::{Implausible, implausible, unlike};
 use trunnion_machine::{Machine, NamePlate};
 use trunnion_results as results;
 use trunnion_sync::blocks::Limits;
@@ -28,6 +28,7 @@ struct Opened {
     points: trunnion_engine::Experiment,
     files: Vec<OfFile>,
     implausible: OnceLock<Vec<Implausible>>,
+    unlike: OnceLock<Vec<results::Doubt>>,
     complete: results::Complete,
     not_whole: Option<results::Plausibility>,
     doubts: Vec<results::Doubt>,
@@ -110,8 +111,8 @@ impl Experiment {
         let points = trunnion_engine::Experiment::new(&runs)
             .map_err(|none| nothing_left(none, &files))?
             .of_means(&readings);
-        let implausible = OnceLock::new();
-        let opened = Opened { runs, plate, points, files, implausible, complete, not_whole, doubts };
+        let (implausible, unlike) = (OnceLock::new(), OnceLock::new());
+        let opened = Opened { runs, plate, points, files, implausible, unlike, complete, not_whole, doubts };
         Ok(Self { opened: Arc::new(opened) })
     }
 
@@ -158,8 +159,13 @@ impl Experiment {
     }
 
     /// What to doubt in the readings whatever is fitted to them.
-    pub(crate) fn doubts(&self) -> &[results::Doubt] {
-        &self.opened.doubts
+    pub(crate) fn doubts(&self) -> Vec<results::Doubt> {
+        let of_runs = || match self.plausibility().is_empty() {
+            true => unlike(&self.opened.runs).iter().map(results::Doubt::unlike_runs).collect(),
+            false => Vec::new(),
+        };
+        let of_runs = self.opened.unlike.get_or_init(of_runs);
+        self.opened.doubts.iter().chain(of_runs).cloned().collect()
     }
 
     /// Can these runs be what they say they are: `trunnion-check/1`.
@@ -169,7 +175,7 @@ impl Experiment {
             points: self.points().points.len(),
             complete: self.complete(),
             plausibility: self.plausibility(),
-            doubts: self.doubts().to_vec(),
+            doubts: self.doubts(),
             ..results::Check::default()
         }
     }

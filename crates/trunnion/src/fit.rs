@@ -124,7 +124,7 @@ impl Fit {
     /// Its numbers to doubt.
     pub(crate) fn doubts(&self) -> Vec<results::Doubt> {
         let found = doubts(self.experiment.points(), self.model.entries(), self.identification());
-        let of_readings = self.experiment.doubts().iter().cloned();
+        let of_readings = self.experiment.doubts().into_iter();
         let of_model = self.model.doubt_for(&self.experiment.machine().name);
         of_readings.chain(of_model).chain(found.iter().map(results::Doubt::from)).collect()
     }

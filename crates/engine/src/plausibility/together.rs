@@ -3,7 +3,8 @@
 //! Days of one machine differ, and may differ by all that warming makes of it. But what a day changes has no direction towards zero: that m location errors
 //! come out smaller by a factor r all together has, for two days of the same variance, the chance P(F(m, m) > r²) [Fisher]. A correction does
 //! just that.
-//! Limits: a correction that left more than a quarter, or of fewer errors, is not told from a day; nor are two machines.
+//! Limits: a correction that left more than a quarter, or of fewer errors, is not told from a day. Runs as unlike as those of two machines are
+//! said to be so and judged all the same: a machine may have changed so far.
 
 use super::found::{Implausible, plain};
 use crate::fit::Options;
@@ -22,14 +23,49 @@ const FEWEST: usize = 7;
 /// Smaller ones before it are those of a machine that needs no correction, µm rms.
 const NEEDED_UM: f64 = super::exchanged::GROSS_UM;
 
+/// Errors of two machines are independent: the square of their differences is, on average, the sum of their squares. Of one machine they
+/// differ by what changed alone; half of that sum are errors at 60° to each other.
+const INDEPENDENT: f64 = 0.5;
+/// Each of them differs by so many standard uncertainties: one in 16 000 of equal ones does [normal distribution].
+const SURE: f64 = 4.0;
+/// Smaller differences are those of days: 2 K move the end of half a metre of steel by 12 µm.
+const BEYOND_DAYS_UM: f64 = 12.0;
+
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
+    of_neighbours(runs, corrected)
+}
+
+/// Two runs whose location errors are as unlike as those of two machines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unlike {
+    /// Names of the runs.
+    pub runs: [String; 2],
+    /// How many location errors both determine; all differ.
+    pub count: usize,
+    /// By how much, root mean square at the ball, µm.
+    pub differ_um: f64,
+    /// The one that differs most, with its value in each run.
+    pub most: String,
+    /// The values.
+    pub shown: [String; 2],
+}
+
+/// Neighbouring runs of one machine that may be of two.
+pub fn unlike(runs: &[Run]) -> Vec<Unlike> {
+    of_neighbours(runs, unlike_pair)
+}
+
+fn of_neighbours<T>(
+    runs: &[Run],
+    of_pair: impl Fn([&Run; 2], [&Identification; 2], f64) -> Option<T>,
+) -> Vec<T> {
     if runs.len() < 2 || runs.iter().any(|run| run.machine != runs[0].machine) {
         return Vec::new();
     }
     let fits: Vec<Option<Identification>> = runs.iter().map(alone).collect();
     let lever_mm = runs.iter().map(lever_mm).fold(0.0, f64::max);
     let of_pair =
-        |k: usize| corrected([&runs[k], &runs[k + 1]], [fits[k].as_ref()?, fits[k + 1].as_ref()?], lever_mm);
+        |k: usize| of_pair([&runs[k], &runs[k + 1]], [fits[k].as_ref()?, fits[k + 1].as_ref()?], lever_mm);
     (0..runs.len() - 1).filter_map(of_pair).collect()
 }
 
@@ -53,6 +89,31 @@ struct Known<'a> {
     shown: [String; 2],
 }
 
+impl Known<'_> {
+    fn differs_um(&self) -> f64 {
+        (self.moves_um[1] - self.moves_um[0]).abs()
+    }
+}
+
+fn unlike_pair(runs: [&Run; 2], fits: [&Identification; 2], lever_mm: f64) -> Option<Unlike> {
+    let known = known(fits, lever_mm);
+    let most = known.iter().max_by(|a, b| a.differs_um().total_cmp(&b.differs_um()))?;
+    let differ_um = rms(known.iter().map(Known::differs_um))?;
+    let sizes_um = rms(known.iter().map(|one| one.moves_um[0].hypot(one.moves_um[1])))?;
+    let all_differ = known.iter().all(|one| one.differs_um() > SURE * one.u_um);
+    let is_unlike = known.len() >= FEWEST
+        && all_differ
+        && differ_um > BEYOND_DAYS_UM
+        && differ_um.powi(2) > INDEPENDENT * sizes_um.powi(2);
+    is_unlike.then(|| Unlike {
+        runs: runs.map(|run| run.name.clone()),
+        count: known.len(),
+        differ_um,
+        most: most.name.into(),
+        shown: most.shown.clone(),
+    })
+}
+
 fn corrected(runs: [&Run; 2], fits: [&Identification; 2], lever_mm: f64) -> Option<Implausible> {
     let known = known(fits, lever_mm);
     if known.len() < FEWEST {
@@ -64,10 +125,7 @@ fn corrected(runs: [&Run; 2], fits: [&Identification; 2], lever_mm: f64) -> Opti
     if large < NEEDED_UM || large < TIMES * small.max(u_um) {
         return None;
     }
-    let most = known.iter().max_by(|a, b| {
-        let differ = |one: &Known<'_>| (one.moves_um[1] - one.moves_um[0]).abs();
-        differ(a).total_cmp(&differ(b))
-    })?;
+    let most = known.iter().max_by(|a, b| a.differs_um().total_cmp(&b.differs_um()))?;
     Some(plain(
         format!(
             "The runs {0} and {1} are not of one state of the machine: {2} is {3} in {0} and {4} in {1}, and all location errors together are {5:.0} times \

@@ -2,7 +2,7 @@
 
 use crate::mistakes::{Files, READINGS};
 use std::path::Path;
-use trunnion::results::Plausibility;
+use trunnion::results::{Check, DoubtReason};
 
 const SETS: [&str; 3] = ["points-gravity", "points-nothing-hidden", "points-backlash-and-drift"];
 
@@ -109,7 +109,7 @@ fn a_ball_mounted_again_at_one_place_raises_no_doubt() {
 }
 
 /// Found in two runs given together.
-fn together(first: &Files, second: &Files) -> Vec<Plausibility> {
+fn together(first: &Files, second: &Files) -> Check {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, files: &Files| {
         let own = folder.path().join(name);
@@ -119,7 +119,7 @@ fn together(first: &Files, second: &Files) -> Vec<Plausibility> {
         own.join("points.csv")
     };
     let paths = [write("before", first), write("after", second)];
-    trunnion::open_all(paths.iter().map(AsRef::<Path>::as_ref)).unwrap().check().plausibility
+    trunnion::open_all(paths.iter().map(AsRef::<Path>::as_ref)).unwrap().check()
 }
 
 /// A day later, with every reading as many times larger.
@@ -141,7 +141,7 @@ fn runs_before_and_after_a_correction_are_not_fitted_together_in_silence() {
                 after.set(row, name, after.number(row, name) + noise, 2);
             }
         }
-        let found = together(&Files::committed(set), &after);
+        let found = together(&Files::committed(set), &after).plausibility;
         let text = format!("{found:?}");
         assert!(text.contains("not of one state of the machine"), "{factor}: {text}");
         assert!(text.contains("Was a correction entered between them?"), "{factor}: {text}");
@@ -152,6 +152,18 @@ fn runs_before_and_after_a_correction_are_not_fitted_together_in_silence() {
 fn days_of_a_machine_that_warms_belong_together() {
     for factor in [0.6, 0.8, 1.3, 1.6] {
         let set = "points-nothing-hidden";
-        assert_eq!(together(&Files::committed(set), &later(set, factor)), [], "{factor}");
+        let check = together(&Files::committed(set), &later(set, factor));
+        assert_eq!((check.plausibility, check.doubts), (Vec::new(), Vec::new()), "{factor}");
     }
+}
+
+#[test]
+fn runs_as_unlike_as_those_of_two_machines_are_said_to_be_so() {
+    let check =
+        together(&Files::committed("points-nothing-hidden"), &Files::committed("points-backlash-and-drift"));
+    assert_eq!(check.plausibility, []);
+    let [doubt] = &check.doubts[..] else { panic!("{:?}", check.doubts) };
+    assert_eq!(doubt.reason, DoubtReason::UnlikeRuns);
+    assert!(doubt.words.contains("all 8 location errors that both determine differ"), "{}", doubt.words);
+    assert!(doubt.words.contains("Are both of one machine, in one state?"), "{}", doubt.words);
 }
