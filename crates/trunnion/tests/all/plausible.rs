@@ -54,7 +54,7 @@ fn a_drift_larger_than_all_that_one_turn_does_is_no_sorted_column() {
     let [b, dz] = ["b_deg", "dz_um"].map(|name| files.column(name));
     files.rows.retain(|row| row[b].parse::<f64>().unwrap() == 0.0);
     for (k, row) in files.rows.iter_mut().enumerate() {
-        row[dz] = format!("{:.2}", row[dz].parse::<f64>().unwrap() + 2.0 * k as f64);
+        row[dz] = format!("{:.2}", row[dz].parse::<f64>().unwrap() + 20.0 * k as f64);
     }
     let found = files.open().check().plausibility;
     assert!(found.iter().all(|one| !one.finding.contains("from row to row")), "{found:?}");
