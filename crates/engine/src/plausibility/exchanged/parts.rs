@@ -24,7 +24,7 @@ impl Trial<'_> {
         let to_the_end = begins.iter().map(|&first| first..count);
         let between = begins.iter().enumerate();
         let between = between.flat_map(|(k, &first)| begins[k + 1..].iter().map(move |&end| first..end));
-        [parts.best(to_the_end), parts.best(between), parts.from_any_point()]
+        [parts.best(to_the_end), parts.best(between), parts.best_from_any_point()]
             .into_iter()
             .flatten()
             .filter_map(|(part, left_mm)| parts.believed(&part, left_mm))
@@ -63,7 +63,7 @@ impl<'a> Parts<'a> {
         tried.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    fn from_any_point(&self) -> Option<(Range<usize>, f64)> {
+    fn best_from_any_point(&self) -> Option<(Range<usize>, f64)> {
         let count = self.trial.experiment.points.len();
         let every = count.div_ceil(TRIED_AT_ONCE);
         let (near, _) = self.best((FEWEST..count).step_by(every).map(|first| first..count))?;
