@@ -21,7 +21,7 @@ const ROWS_SHOWN: usize = 4;
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let of_run = |run: &Run| {
         let found: Vec<Implausible> = copies(run).into_iter().chain(setups(run)).chain(held(run)).collect();
-        if found.is_empty() { stretch::copied(run).into_iter().collect() } else { found }
+        if found.is_empty() { stretch::copied(run, FEWEST).into_iter().collect() } else { found }
     };
     same_run(runs).into_iter().chain(runs.iter().flat_map(of_run)).collect()
 }

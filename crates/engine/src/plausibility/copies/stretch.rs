@@ -5,7 +5,6 @@
 //! more readings]. They have to be farther off, and farther than a display rounds.
 //! Limits: a copy to the same poses (a way back that was not measured) only repeats too well, and is not found.
 
-use super::FEWEST;
 use crate::Experiment;
 use crate::plausibility::exchanged::BELIEVED;
 use crate::plausibility::fitted::{Fitted, columns, rms};
@@ -29,13 +28,14 @@ struct Stretch {
     length: usize,
 }
 
-pub(super) fn copied(run: &Run) -> Option<Implausible> {
+/// Of so many rows at least.
+pub(super) fn copied(run: &Run, fewest: usize) -> Option<Implausible> {
     let (rows, good): (Vec<usize>, Vec<&Point>) =
         (1..).zip(&run.points).filter(|(_, point)| point.is_good()).unzip();
     if good.len() > MOST_POINTS {
         return None;
     }
-    let stretch = longest(run, &good)?;
+    let stretch = longest(run, &good, fewest)?;
     let experiment = Experiment::of_points(&[with_points(run, good.clone())]).ok()?;
     let columns = columns(&experiment)?;
     let readings_mm = experiment.readings_mm();
@@ -77,7 +77,7 @@ pub(super) fn copied(run: &Run) -> Option<Implausible> {
 }
 
 /// The longest that could be a copy and is no pause of the display.
-fn longest(run: &Run, good: &[&Point]) -> Option<Stretch> {
+fn longest(run: &Run, good: &[&Point], fewest: usize) -> Option<Stretch> {
     let is_same = |a: usize, b: usize| {
         let (a, b) = (good[a], good[b]);
         let channels = run.setups[a.state.setup].instrument.components().len();
@@ -88,13 +88,13 @@ fn longest(run: &Run, good: &[&Point]) -> Option<Stretch> {
             && (a.state.setup != b.state.setup || a.state.position != b.state.position)
     };
     let mut longest: Option<Stretch> = None;
-    for lag in FEWEST..good.len() {
+    for lag in fewest..good.len() {
         let mut length = 0;
         for second in lag..good.len() {
             length = if is_same(second - lag, second) { length + 1 } else { 0 };
             let first = second + 1 - length;
             let stretch = Stretch { begins: [first.saturating_sub(lag), first], length: length.min(lag) };
-            if length >= FEWEST
+            if length >= fewest
                 && longest.is_none_or(|longest| stretch.length > longest.length)
                 && changes(&good[first..first + stretch.length])
             {
