@@ -159,7 +159,15 @@ fn doubts_and_places_of_a_report_are_of_one_language() {
     let found = |reason| Found { effect: None, names: vec!["a".into(), "b".into()], reason };
     let lone = |most| Doubt::lone_readings("day", [7, 90], most);
     let doubts = reasons.map(|reason| Doubt::from(&found(reason))).into_iter();
-    let doubts = doubts.chain([lone(None), lone(Some("setup low, component x".into()))]);
+    let unlike = trunnion_engine::plausibility::Unlike {
+        runs: ["monday".into(), "tuesday".into()],
+        count: 8,
+        differ_um: 19.8,
+        most: "EZ0B".into(),
+        shown: ["−30.8 µm".into(), "+11.3 µm".into()],
+    };
+    let doubts =
+        doubts.chain([lone(None), lone(Some("setup low, component x".into())), Doubt::unlike_runs(&unlike)]);
     let said = doubts.map(|doubt| format!("Doubt: {}", doubt.words));
     let places = [
         "table Y, C at 150°, both directions, both setups:",
