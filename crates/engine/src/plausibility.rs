@@ -8,16 +8,19 @@ mod channels;
 mod claim;
 mod clock;
 mod copies;
+mod digits;
 mod exchanged;
 mod fitted;
 mod found;
 mod looked;
+mod lost_count;
 mod mirrored;
 mod order;
 mod path;
 mod places;
 mod positions;
 mod readings;
+mod rounded;
 mod same_place;
 mod sensors;
 mod shown;
@@ -32,15 +35,34 @@ mod ways;
 pub use clock::{ClockDoubt, clock_doubt};
 pub use found::Implausible;
 pub use readings::FEWEST_POINTS;
+pub use rounded::{PositionDigits, Rounded, rounded_lengths};
 pub use together::{Unlike, unlike};
 
+use trunnion_core::InstrumentKind;
 use trunnion_cycles::Run;
+
+/// What the instruments are called of whose positions and readings nothing is asked: they keep no known distance.
+pub fn not_asked(runs: &[Run]) -> Vec<&'static str> {
+    let mut names: Vec<&'static str> = runs
+        .iter()
+        .flat_map(|run| &run.setups)
+        .map(|setup| setup.instrument)
+        .filter(|kind| {
+            !matches!(kind, InstrumentKind::RTest | InstrumentKind::Diagonal) && !kind.keeps_bar_length()
+        })
+        .map(InstrumentKind::name)
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
 
 /// Everything about these runs that is not plausible, the gravest first; empty for good runs.
 pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let positions = positions::implausible(runs);
     let channels = channels::implausible(runs);
     let travel = if positions.is_empty() { travel::implausible(runs) } else { Vec::new() };
+    let lost = if travel.is_empty() { lost_count::implausible(runs) } else { Vec::new() };
     let sizes = if channels.is_empty() { sizes::implausible(runs) } else { Vec::new() };
     // Readings say nothing of their own where they are attached to wrong positions, or where a probe is dead.
     let belong = positions.is_empty() && travel.is_empty() && channels.is_empty() && sizes.is_empty();
@@ -57,6 +79,20 @@ pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let belong = belong && readings.is_empty() && order.is_empty();
     let ways = if belong { runs.iter().flat_map(ways::not_filled_in).collect() } else { Vec::new() };
     let temperatures = temperatures::implausible(runs);
-    [positions, travel, channels, sizes, temperatures, readings, copies::implausible(runs), order, ways]
-        .concat()
+    let rounded = runs.iter().filter_map(rounded_lengths).filter(Rounded::is_gross);
+    let rounded = if travel.is_empty() { rounded.map(|one| one.implausible()).collect() } else { Vec::new() };
+    [
+        positions,
+        travel,
+        lost,
+        rounded,
+        channels,
+        sizes,
+        temperatures,
+        readings,
+        copies::implausible(runs),
+        order,
+        ways,
+    ]
+    .concat()
 }

@@ -19,6 +19,8 @@ pub struct Findings {
     pub machine: String,
     /// Names of the runs used.
     pub runs: Vec<String>,
+    /// Readings that count in no value, because they lie far from the rest of a fit.
+    pub excluded: usize,
     /// What was found, most important first.
     pub values: Vec<FoundValue>,
     /// Further numbers.

@@ -189,7 +189,8 @@ fn read(
             pointed.iter().find(|place| renaming.reads(**place) && !is_name(&names[**place]))
         {
             let (at, cell) = &cells[place];
-            let advice = "The point may mark thousands: write 1021 or, with the decimal mark of the other rows, 1,021.";
+            // One text for all rows, so that they are counted and not repeated.
+            let advice = "The point may mark thousands: leave it out if it does, else write the comma of the other rows.";
             let found = format!("{} = \"{cell}\" in a table with decimal commas", names[place]);
             notes.add(line, *at, &found, "a number without a point", advice);
             continue;

@@ -103,6 +103,16 @@ pub fn check_text(check: &Check) -> String {
             );
             head + &paragraph(&few)
         }
+        true if !check.not_asked.is_empty() => {
+            let names = clean(&check.not_asked.join(", "));
+            let part = format!(
+                "No mistake was found in readings and times. Whether the axes were at their positions was not asked: {names} keeps no known distance."
+            );
+            head + &paragraph(&part)
+        }
+        true if !check.doubts.is_empty() => {
+            head + "No other mistake was found in positions, readings and times.\n"
+        }
         true => head + "Positions, readings and times fit together: no mistake was found.\n",
         false => head + &set_apart(&implausible(&check.plausibility)),
     }

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_core::number::{fixed, signed};
 use trunnion_engine::fit::doubts as engine;
-use trunnion_engine::plausibility::{ClockDoubt, Unlike};
+use trunnion_engine::plausibility::{ClockDoubt, Rounded, Unlike};
 
 /// Numbers of a fit to doubt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -41,6 +41,8 @@ pub enum DoubtReason {
     Scatter,
     /// Every row has one time, or the clock was set.
     Clock,
+    /// Positions or readings were rounded when they were written, to more than the noise allows.
+    Rounded,
     /// Many single readings lie far from their neighbours and were excluded.
     LoneReadings,
     /// The model names another machine than the runs.
@@ -86,6 +88,12 @@ impl Doubt {
             shown[1]
         );
         Self { effect: None, names: Vec::new(), reason: DoubtReason::UnlikeRuns, words }
+    }
+
+    /// About numbers that were rounded.
+    pub fn rounded(rounded: &Rounded) -> Self {
+        let words = format!("{} {}", rounded.finding, rounded.advice());
+        Self { effect: None, names: Vec::new(), reason: DoubtReason::Rounded, words }
     }
 }
 

@@ -26,6 +26,9 @@ pub struct Findings {
     /// Why these runs cannot be judged; empty for good ones.
     #[serde(default)]
     pub plausibility: Vec<Plausibility>,
+    /// Readings that count in no value, because they lie far from the rest of a fit; 0 where a method excludes none.
+    #[serde(default)]
+    pub excluded: usize,
     /// What was found, most important first.
     pub values: Vec<FoundValue>,
     /// Further numbers.
@@ -238,6 +241,7 @@ impl From<&found::Findings> for Findings {
             machine: findings.machine.clone(),
             runs: findings.runs.clone(),
             plausibility: Vec::new(),
+            excluded: findings.excluded,
             values: findings.values.iter().map(value).collect(),
             tables: findings.tables.iter().map(table).collect(),
             charts: findings.charts.iter().map(chart).collect(),

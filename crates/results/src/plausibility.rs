@@ -48,6 +48,9 @@ pub struct Check {
     pub complete: Complete,
     /// What is not plausible or not whole; empty for good runs.
     pub plausibility: Vec<Plausibility>,
+    /// Instruments of whose positions nothing is asked: they keep no known distance.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_asked: Vec<String>,
     /// What to doubt in the readings whatever is fitted to them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<Doubt>,

@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 use trunnion_core::Point;
 use trunnion_cycles::Run;
 use trunnion_engine::ExperimentError;
-use trunnion_engine::plausibility::{Implausible, implausible, unlike};
+use trunnion_engine::plausibility::{Implausible, implausible, not_asked, unlike};
 use trunnion_machine::{Machine, NamePlate};
 use trunnion_results as results;
 use trunnion_sync::blocks::Limits;
@@ -27,6 +27,8 @@ struct Opened {
     plate: NamePlate,
     points: trunnion_engine::Experiment,
     files: Vec<OfFile>,
+    /// What only the points as they were read show.
+    read: Vec<Implausible>,
     implausible: OnceLock<Vec<Implausible>>,
     unlike: OnceLock<Vec<results::Doubt>>,
     complete: results::Complete,
@@ -104,7 +106,8 @@ impl Experiment {
     }
 
     fn of_runs(read: Runs) -> Result<Self, Error> {
-        let Runs { runs, readings, planned, samples, excluded, doubts, files, plate } = read;
+        let Runs { runs, readings, planned, samples, excluded, doubts, implausible: read, files, plate } =
+            read;
         let (mut complete, not_whole) = completeness::complete(&runs, &planned);
         complete.samples = samples;
         complete.excluded.extend(excluded);
@@ -112,7 +115,7 @@ impl Experiment {
             .map_err(|none| nothing_left(none, &files))?
             .of_means(&readings);
         let (implausible, unlike) = (OnceLock::new(), OnceLock::new());
-        let opened = Opened { runs, plate, points, files, implausible, unlike, complete, not_whole, doubts };
+        let opened = Opened { runs, plate, points, files, read, implausible, unlike, complete, not_whole, doubts };
         Ok(Self { opened: Arc::new(opened) })
     }
 
@@ -150,7 +153,8 @@ impl Experiment {
     /// for good runs.
     pub fn plausibility(&self) -> Vec<results::Plausibility> {
         let found = self.opened.implausible.get_or_init(|| implausible(&self.opened.runs));
-        found.iter().map(results::Plausibility::from).chain(self.opened.not_whole.clone()).collect()
+        let found = found.iter().chain(&self.opened.read);
+        found.map(results::Plausibility::from).chain(self.opened.not_whole.clone()).collect()
     }
 
     /// What is planned, read, missing and excluded.
@@ -175,6 +179,7 @@ impl Experiment {
             points: self.points().points.len(),
             complete: self.complete(),
             plausibility: self.plausibility(),
+            not_asked: not_asked(&self.opened.runs).into_iter().map(String::from).collect(),
             doubts: self.doubts(),
             ..results::Check::default()
         }

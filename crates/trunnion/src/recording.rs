@@ -13,6 +13,7 @@ use std::sync::mpsc;
 use trunnion_core::{Gap, Point};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_engine::Nominal;
+use trunnion_engine::plausibility::{PositionDigits, Rounded};
 use trunnion_machine::{Machine, NamePlate};
 
 use trunnion_record::{Damage, Item, RecordError, RunHeader, RunStart};
@@ -41,6 +42,8 @@ pub struct Recording {
     pub timing: Option<TimeQuality>,
     /// What became of its samples, where points were formed from them again.
     pub samples: Option<SampleCounts>,
+    /// What the rounding of its positions hides.
+    pub rounded: Option<Rounded>,
     /// What the machine file in it says of the one machine; nothing where it has none that this version reads.
     pub plate: NamePlate,
 }
@@ -114,7 +117,8 @@ fn gather(
     let plate = NamePlate::parse("machine in the recording", &header.machine_text).unwrap_or_default();
     let of_cycle = || of_header.and_then(|machine| Planned::of(&header, &machine));
     let planned = before.map(Planned::next_part).or_else(of_cycle);
-    let mut points = Points { limits, start: None, kept: Vec::new(), reducing: None, planned, gaps };
+    let mut points =
+        Points { limits, start: None, kept: Vec::new(), reducing: None, planned, gaps, digits: None };
     let read = std::thread::scope(|scope| {
         let unpack = scope.spawn(|| match (forming, &timing) {
             (Some(forming), Some(timing)) => form_again(path, &header, machine, forming, timing, send),
@@ -124,10 +128,12 @@ fn gather(
         unpack.join().expect("a panic of the reading thread ends the program")
     });
     let (start, damage, samples) = read?;
+    let digits = points.digits.take();
     let (points, reduction, planned, gaps) = points.finish();
     let timing = timing.map(|timing| timing.quality(&gaps));
     let run = start.run(points);
-    Ok(Recording { run, reduction, planned, gaps, damage, timing, samples, plate })
+    let rounded = digits.and_then(|digits| digits.finish(&run.name));
+    Ok(Recording { run, reduction, planned, gaps, damage, timing, samples, rounded, plate })
 }
 
 /// Hands over the points that the samples give with the clocks of the whole run.
@@ -233,6 +239,7 @@ struct Points {
     reducing: Option<Reducing>,
     planned: Option<Planned>,
     gaps: Gaps,
+    digits: Option<PositionDigits>,
 }
 
 enum Reducing {
@@ -274,9 +281,16 @@ impl Reducing {
 
 impl Points {
     fn take(&mut self, batch: Batch) {
-        self.start = batch.start.or(self.start.take());
+        if let Some(start) = batch.start {
+            let header = &start.header;
+            self.digits = Some(PositionDigits::new(&start.machine, &header.setups, header.kind));
+            self.start = Some(start);
+        }
         for (index, point) in batch.points {
             self.gaps.pose(&point);
+            if let Some(digits) = &mut self.digits {
+                digits.take(&point);
+            }
             if let Some(planned) = &mut self.planned {
                 planned.take(index, &point);
             }

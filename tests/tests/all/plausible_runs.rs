@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trunnion_core::{NestSide, Point, Quality, Setup};
 use trunnion_cycles::{Cycle, Pace, Run};
-use trunnion_engine::plausibility::implausible;
+use trunnion_engine::plausibility::{PositionDigits, implausible};
 use trunnion_hil_sim::physics::hidden::ids;
 use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine};
 use trunnion_machine::shipped;
@@ -100,6 +100,45 @@ fn readings_of_a_sweep_one_row_late_are_named_and_no_good_sweep_is_doubted() {
     }
     println!("{named} named, {alike} alike");
     assert!(named >= 4 * alike, "{named} named, {alike} alike");
+}
+
+#[test]
+fn readings_of_a_sweep_five_rows_late_are_named() {
+    for seed in 0..SEEDS {
+        let late = implausible(&[shifted(&swept(seed, &[]).unwrap(), 5)]);
+        assert!(
+            late.iter().any(|one| one.hypothesis.contains("they are 5 rows late")),
+            "seed {seed}: {late:?}"
+        );
+    }
+}
+
+/// Positions of a sweep in steps of so many mm: what the rounding hides, and whether nothing can be judged.
+fn rounded_to(run: &Run, step_mm: f64) -> Option<(String, bool)> {
+    let mut digits = PositionDigits::new(&run.machine, &run.setups, run.kind);
+    for point in &run.points {
+        let mut point = point.clone();
+        for joint in run.machine.linear_joints() {
+            let mm = &mut point.state.position[joint];
+            *mm = (*mm / step_mm).round() * step_mm;
+        }
+        digits.take(&point);
+    }
+    digits.finish("run").map(|found| (found.finding.clone(), found.is_gross()))
+}
+
+#[test]
+fn positions_of_a_sweep_that_were_rounded_are_named_with_their_step() {
+    for seed in 0..SEEDS {
+        let good = swept(seed, &[]).unwrap();
+        assert_eq!(rounded_to(&good, 1e-7), None, "as read, seed {seed}");
+        assert_eq!(rounded_to(&good, 1e-4), None, "four decimals, seed {seed}");
+        for (step_mm, is_gross) in [(0.001, false), (0.01, true)] {
+            let (finding, gross) = rounded_to(&good, step_mm).expect("a finding");
+            assert!(finding.contains(&format!("in steps of {step_mm} mm (X, Y)")), "{finding}");
+            assert_eq!(gross, is_gross, "{finding}");
+        }
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! the longest stretch is judged against the second longest of the same channel and against the other channels ([`super::stretches`]).
 //! Limits: a channel that is stuck in two stretches of like length passes; one that is stuck at a resting machine is not looked at.
 
+mod marked;
 mod sorted;
 mod zeros;
 
@@ -36,7 +37,8 @@ fn of_run(run: &Run) -> Option<Implausible> {
     (0..run.setups.len()).find_map(|setup| {
         let channels = Channels::of(run, setup);
         channels
-            .stuck()
+            .marked()
+            .or_else(|| channels.stuck())
             .or_else(|| channels.dead())
             .or_else(|| channels.tied())
             .or_else(|| channels.zeros())

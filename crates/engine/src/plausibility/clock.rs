@@ -9,7 +9,8 @@ use trunnion_core::{Point, statistics};
 use trunnion_cycles::Run;
 
 const HOUR_S: f64 = 3600.0;
-/// A step is one of a clock where it is a whole number of hours, the usual time between two rows apart, within so many of those. Rows every
+/// A step is one of a clock where it is a whole number of hours, the usual time between two rows apart, within so many of those, and not
+/// less than half of the shortest: a clock that was set leaves the way to the next pose in it. Rows every
 /// 4 s come by chance so near with 2 · 2 · 4/3600 = 0.4 % of all pauses.
 const NEAR_STEPS: f64 = 2.0;
 /// Rows lie unevenly by no more than a tenth of an hour's step where it can be recognised.
@@ -96,10 +97,14 @@ pub fn clock_doubt(run: &Run) -> Option<ClockDoubt> {
     }
     let steps = steps(run);
     let usual_s = usual_s(&steps).filter(|usual_s| *usual_s < LONGEST_STEP_S)?;
+    // What is left of the step without the hours is the time from row to row, as short as one at least.
+    let forward = steps.iter().map(|(_, from, to)| to - from).filter(|step_s| *step_s > 0.0);
+    let shortest_s = forward.fold(f64::INFINITY, f64::min);
     steps.into_iter().find_map(|(row, from, to)| {
         let by_s = to - from;
         let hours = ((by_s - usual_s) / HOUR_S).round();
-        let is_near = (by_s - usual_s - hours * HOUR_S).abs() <= NEAR_STEPS * usual_s;
+        let rest_s = by_s - hours * HOUR_S;
+        let is_near = (rest_s - usual_s).abs() <= NEAR_STEPS * usual_s && rest_s >= 0.5 * shortest_s;
         ((1.0..=MOST_HOURS).contains(&hours) && is_near).then_some(ClockDoubt::SetForward {
             row,
             by_s,

@@ -2,6 +2,7 @@
 
 mod at_a_point;
 mod axes;
+mod delayed;
 mod mirror;
 mod parts;
 mod physics;
@@ -19,6 +20,7 @@ use crate::Experiment;
 use crate::noise::repeatability::repeatability;
 use crate::problem::passes::passes;
 use axes::{PROBES, ways};
+pub(super) use delayed::by_rows;
 use nalgebra::DVector;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::{Joint, NestSide};
@@ -36,8 +38,6 @@ const GROSS_REPEATABILITIES: f64 = 5.0;
 const AS_GOOD: f64 = 1.25;
 /// Rows by which readings may be late; more are another measurement.
 const MOST_ROWS_LATE: usize = 5;
-/// What is left is no more than readings repeat where it exceeds that by no more than so many standard deviations of it.
-const SURE: f64 = 3.0;
 
 /// The mistake with which readings and positions belong together.
 pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
@@ -76,34 +76,6 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
                 run.name
             ),
             hypothesis,
-            rms_um_with_it: Some(left_um),
-        }
-    })
-}
-
-/// Readings on the fly that are one row late or early. A row is a step of some degrees, by which errors of micrometres hardly change: what is
-/// left is never gross. It is named where the shifted readings fit as well as they repeat: physics would have to be, at every angle and
-/// feed, what one row makes of all other errors. No hidden physics of four sizes was taken for it (tests/tests/all/plausible_runs.rs).
-pub(super) fn by_one_row(looked: &Looked) -> Option<Implausible> {
-    let Looked { run, experiment, model, .. } = looked;
-    if run.kind != RunKind::OnTheFly {
-        return None;
-    }
-    let repeated = repeatability(experiment, &passes(experiment))?;
-    let before_mm = model.rms_mm(&experiment.readings_mm());
-    let tried = Trial { looked, run, experiment, model }.late(None, "the readings", &[0, 1, 2], 1);
-    let (mistake, left_mm) = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    // The variance of so many repeats has the relative standard deviation √(2/ν) [normal distribution].
-    let chance = SURE * (2.0 / repeated.degrees_of_freedom.max(1) as f64).sqrt();
-    let fits = left_mm.powi(2) <= repeated.sigma_mm.powi(2) * (1.0 + chance);
-    (fits && before_mm > AS_GOOD * left_mm).then(|| {
-        let [before_um, left_um, repeat_um] = [before_mm, left_mm, repeated.sigma_mm].map(um_from_mm);
-        Implausible {
-            finding: format!(
-                "{}: the readings do not fit their positions: {before_um:.2} µm rms are left, and they repeat within {repeat_um:.2} µm.",
-                run.name
-            ),
-            hypothesis: format!("With {mistake}, {left_um:.2} µm are left. Change it?"),
             rms_um_with_it: Some(left_um),
         }
     })

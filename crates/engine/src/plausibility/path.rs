@@ -5,6 +5,7 @@
 //! s = n·y/n·n = 1. Where s is 0, the axes were never at these positions.
 
 use super::claim::off_mm;
+use super::digits::Digits;
 use super::fitted::rms;
 use super::found::Implausible;
 use super::looked::Looked;
@@ -15,13 +16,13 @@ use trunnion_core::{Joint, Point, statistics};
 use trunnion_cycles::{Run, RunKind};
 
 /// Positions with three decimals of a millimetre, as controls show them, hide 1 µm/√12 = 0.3 µm; with two they hide 2.9 µm. Between them, µm.
-const HIDDEN_UM: f64 = 1.0;
+pub(super) const HIDDEN_UM: f64 = 1.0;
 /// Shares nearer to 0 than to 1 by so many standard deviations are none.
 const SURE: f64 = 3.0;
 /// A point is off the path where it is off by this share of the farthest.
 const OFF: f64 = 0.5;
-/// Steps of rounded positions, mm; finer ones hide less than [`HIDDEN_UM`].
-const STEPS_MM: [f64; 3] = [1.0, 0.1, 0.01];
+/// The finest step of rounded positions, mm; finer ones hide less than [`HIDDEN_UM`].
+const FINEST_STEP_MM: f64 = 0.01;
 
 /// Positions of a run at rest that its readings do not show.
 pub(super) fn left(looked: &Looked) -> Option<Implausible> {
@@ -53,11 +54,9 @@ pub(super) fn left(looked: &Looked) -> Option<Implausible> {
 /// Every position of the linear axes is a multiple of one step, and none of a finer one is needed to write them.
 fn rounded(run: &Run, off: &DVector<f64>) -> Option<Implausible> {
     let linear: Vec<Joint> = run.machine.linear_joints();
-    let is_multiple = |step_mm: f64| {
-        let whole = |mm: f64| (mm / step_mm - (mm / step_mm).round()).abs() < 1e-6;
-        run.points.iter().all(|point| linear.iter().all(|&joint| whole(point.state.position[joint])))
-    };
-    let step_mm = STEPS_MM.into_iter().find(|step_mm| is_multiple(*step_mm))?;
+    let positions =
+        run.points.iter().flat_map(|point| linear.iter().map(|&joint| point.state.position[joint]));
+    let step_mm = Digits::of(positions).step().filter(|step_mm| *step_mm >= FINEST_STEP_MM)?;
     // No farther than rounding takes three axes.
     let farthest_mm = off.amax();
     (farthest_mm < step_mm * 3f64.sqrt()).then(|| Implausible {

@@ -21,7 +21,8 @@ pub fn stations(machine: &Machine, setups: &[Setup], limits: Limits) -> Stations
     Stations::new(limits.most_stations, nominal(machine, setups))
 }
 
-fn nominal(machine: &Machine, setups: &[Setup]) -> Nominal {
+/// What a machine without errors would read at a state.
+pub(crate) fn nominal(machine: &Machine, setups: &[Setup]) -> Nominal {
     let (machine, setups, none) = (machine.clone(), setups.to_vec(), Errors::default());
     Box::new(move |state: &State| {
         let nominal = |setup: &Setup| predict(&machine, setup, state, &none);

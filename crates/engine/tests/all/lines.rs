@@ -234,3 +234,52 @@ fn where_no_cycle_was_considered_nothing_is_said_of_all_cycles() {
     assert!(plan.considered.iter().all(|row| row.cycle.is_none()), "a machine without rotary axes");
     assert!(plan.answer.starts_with("No cycle is known to the planner"), "{}", plan.answer);
 }
+
+/// X visited at 11 targets, five times there and back, with 4 µm over the length and 0.2 µm of noise.
+fn visited(read: &dyn Fn(usize, f64) -> f64) -> Vec<(String, String)> {
+    let there: Vec<f64> = (0..11).map(|k| 50.0 * f64::from(k)).collect();
+    let pass: Vec<f64> = there.iter().chain(there.iter().rev()).copied().collect();
+    let machine = shipped::machine("three-axis").unwrap();
+    let mut setup = Setup::new("line", InstrumentKind::Diagonal, NestSide::Table, Point3::new(0.0, 0.0, 0.0));
+    setup.direction = Some(Vector3::x_axis());
+    let points = (0..5 * pass.len()).map(|i| {
+        let x = pass[i % pass.len()];
+        let mut position = AxisValues::default();
+        position[X] = x;
+        let mut direction = AxisValues::default();
+        direction[X] = if i % pass.len() < there.len() { 1.0 } else { -1.0 };
+        let state = State { position, direction, time_s: Some(5.0 * i as f64), ..State::default() };
+        let noise_mm = 0.3e-3 * (i as f64 * 12.9898).sin();
+        point(state, [read(i, x * (1.0 + 8e-6) + noise_mm), 0.0, 0.0])
+    });
+    let run = run("line", machine, vec![setup], points.collect());
+    implausible(&[run]).into_iter().map(|one| (one.finding, one.hypothesis)).collect()
+}
+
+#[test]
+fn lengths_that_were_rounded_are_named_before_a_wave_is() {
+    let to = |step: f64| move |_: usize, mm: f64| (mm / step).round() * step;
+    let digits = |_: usize, mm: f64| format!("{mm:.2e}").parse::<f64>().unwrap();
+    assert_eq!(visited(&|_, mm| mm), [], "as read");
+    assert_eq!(visited(&to(1e-4)), [], "four decimals");
+    let cases: [(&str, &dyn Fn(usize, f64) -> f64); 2] = [
+        ("in steps of 0.01 mm. That adds u = 2.9 µm", &to(0.01)),
+        ("with no more than 3 significant digits, the largest in steps of 1 mm", &digits),
+    ];
+    for (words, read) in cases {
+        let said = visited(read);
+        assert!(said.iter().any(|(finding, _)| finding.contains(words)), "{words}: {said:?}");
+    }
+}
+
+#[test]
+fn an_interferometer_that_lost_counts_is_named_with_row_and_step() {
+    let said = visited(&|i, mm| if i >= 60 { mm + 0.158 } else { mm });
+    assert!(
+        said.iter().any(|(finding, advice)| finding.contains("from row 61 on")
+            && finding.contains("+158.0 µm off")
+            && advice.contains("lost counts")),
+        "{said:?}"
+    );
+    assert_eq!(visited(&|i, mm| mm + 1e-5 * i as f64), [], "a drift of 1.1 µm");
+}

@@ -18,6 +18,7 @@ impl Attribution {
     /// Values, table, charts and notes.
     pub fn to_findings(&self) -> Findings {
         Findings {
+            excluded: 0,
             method: "attribute",
             source: "S3 §3.1",
             convention: Convention::RightHanded,

@@ -110,6 +110,7 @@ impl Method {
             convention,
             machine: runs.first().map_or_else(String::new, |run| run.machine.name.clone()),
             runs: runs.iter().map(|run| run.name.clone()).collect(),
+            excluded: 0,
             values: Vec::new(),
             tables: Vec::new(),
             charts: Vec::new(),

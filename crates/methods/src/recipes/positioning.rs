@@ -8,9 +8,11 @@
 //! reading grows with the position. The zero of the display is arbitrary: all values are differences.
 //! Uncertainties are those of means and standard deviations of n approaches: u(x̄) = s/√n, u(s) = s/√(2(n − 1)).
 //! The direction of an approach is the stated one, or that from the position before; where the axis had not moved and nobody stated it, the reading is left out.
+//! Readings that a fit of the base model excludes as single wrong ones count in no value, and are named.
 //! Limits: a target that is reached from one side alone, as at the ends of a cycle without overrun, counts for that side, and is named; the axis alone moves; the tilt of the beam (cosine error), air and material temperature are in no value; a largest value grows with the
 //! number of targets.
 
+mod excluded;
 mod report;
 mod targets;
 
@@ -35,6 +37,9 @@ pub(super) static METHOD: Method = Method {
 
 fn run(runs: &[Run], _: &MethodOptions) -> Result<Findings, MethodError> {
     one_machine(runs)?;
-    let traces = recognised(&METHOD, runs)?;
-    Ok(report::findings(&METHOD, runs, &traces))
+    let (kept, outliers) = excluded::without_outliers(runs);
+    let traces = recognised(&METHOD, &kept)?;
+    let mut findings = report::findings(&METHOD, runs, &traces);
+    findings.notes.splice(0..0, excluded::note(&outliers, runs));
+    Ok(Findings { excluded: outliers.len(), ..findings })
 }

@@ -63,6 +63,27 @@ fn the_values_of_iso_230_2_are_those_worked_by_hand() {
     assert!((u / UM - root).abs() < 1e-9, "{u}");
 }
 
+/// The same readings in the values as in a fit: `identify` excludes a single wrong one.
+#[test]
+fn a_single_wrong_reading_counts_in_no_value_and_is_named() {
+    let of = |wrong_um: f64| {
+        let approach = |i: i32| {
+            let k = i % 10;
+            let x_mm = 100.0 * f64::from(if k < 5 { k } else { 9 - k });
+            let noise_um = 0.3 * (f64::from(i) * 12.9898).sin();
+            let wrong_um = if i == 37 { wrong_um } else { 0.0 };
+            (x_mm, if k < 5 { 1.0 } else { -1.0 }, noise_um + wrong_um)
+        };
+        let approaches: Vec<(f64, f64, f64)> = (0..50).map(approach).collect();
+        recipes::find("positioning").unwrap().apply(&[run(&approaches)], &MethodOptions::default()).unwrap()
+    };
+    let (good, wrong) = (of(0.0), of(30.0));
+    assert_eq!((good.excluded, wrong.excluded), (0, 1));
+    assert!(wrong.notes[0].contains("1 of 50 readings (row 38) lies far"), "{:?}", wrong.notes);
+    let r_um = |of: &trunnion_methods::Findings| of.value("X R").unwrap().value / UM;
+    assert!((r_um(&good) - r_um(&wrong)).abs() < 0.5, "{} and {}", r_um(&good), r_um(&wrong));
+}
+
 /// As a table without directions has them: of the last move, and none before the first.
 fn without_directions(approaches: &[(f64, f64)]) -> Run {
     let rows: Vec<(f64, f64, f64)> = approaches.iter().map(|&(x_mm, um)| (x_mm, 0.0, um)).collect();

@@ -7,7 +7,7 @@ use crate::{Error, completeness, files, page};
 use std::path::{Path, PathBuf};
 use trunnion_core::Gap;
 use trunnion_cycles::Run;
-use trunnion_engine::plausibility::clock_doubt;
+use trunnion_engine::plausibility::{Implausible, PositionDigits, Rounded, clock_doubt, rounded_lengths};
 use trunnion_machine::NamePlate;
 use trunnion_record::Damage;
 use trunnion_results as results;
@@ -44,7 +44,10 @@ fn read_next(
 ) -> Result<Recording, Error> {
     if path.extension().is_some_and(|ending| ending == "csv") {
         let run = read_points(path, &path.with_file_name("setup.toml"))?;
+        let mut digits = PositionDigits::new(&run.machine, &run.setups, run.kind);
+        run.points.iter().for_each(|point| digits.take(point));
         return Ok(Recording {
+            rounded: digits.finish(&run.name),
             run,
             reduction: None,
             planned,
@@ -117,6 +120,8 @@ pub(super) struct Runs {
     pub(super) samples: Vec<results::Samples>,
     pub(super) excluded: Vec<results::Excluded>,
     pub(super) doubts: Vec<results::Doubt>,
+    /// What only the points as they were read show: no mean of them has their digits.
+    pub(super) implausible: Vec<Implausible>,
     pub(super) files: Vec<OfFile>,
     pub(super) plate: NamePlate,
 }
@@ -126,9 +131,11 @@ impl Runs {
     pub(super) fn take(&mut self, parts: Vec<(PathBuf, Recording)>) {
         let (mut whole, mut planned, mut samples) = (None::<Run>, None, None::<SampleCounts>);
         let mut reduced = None::<Reduced>;
+        let mut rounded = None::<Rounded>;
         let (mut readings, mut points) = (0.0, 0.0);
         for (path, part) in parts {
             let Recording { mut run, reduction, gaps, damage, timing, .. } = part;
+            rounded = rounded.or(part.rounded);
             let good = run.good_points().count() as f64;
             readings +=
                 reduction.as_ref().and_then(Reduced::readings_at_rest).map_or(good, |count| count as f64);
@@ -157,6 +164,10 @@ impl Runs {
         self.excluded.extend(reduced.excluded());
         self.doubts.extend(reduced.doubt(&run));
         self.doubts.extend(clock_doubt(&run).map(|doubt| results::Doubt::clock(&run.name, &doubt)));
+        let (gross, small): (Vec<Rounded>, Vec<Rounded>) = rounded.into_iter().partition(Rounded::is_gross);
+        self.implausible.extend(gross.iter().map(Rounded::implausible));
+        let lengths = rounded_lengths(&run).filter(|lengths| !lengths.is_gross());
+        self.doubts.extend(small.iter().chain(&lengths).map(results::Doubt::rounded));
         self.runs.push(run);
         self.readings.push(if points > 0.0 { readings / points } else { 1.0 });
         self.planned.push(planned);

@@ -121,6 +121,7 @@ fn a_clock_that_was_set_forward_or_stands_is_said_and_a_pause_is_not() {
     let set = with(&from(112, 3600.0));
     let [(DoubtReason::Clock, words)] = &set[..] else { panic!("{set:?}") };
     assert!(words.contains("by 3604 s from row 112 to row 113, by 4.0 s otherwise"), "{words}");
+    assert_eq!(with(&from(112, 7194.0)), [], "a pause shorter than two hours and the way to the next pose");
     let stands = with(&|_, _| 0.0);
     let [(DoubtReason::Clock, words)] = &stands[..] else { panic!("{stands:?}") };
     assert!(words.contains("has the time 0 s") && words.contains("out of reach"), "{words}");

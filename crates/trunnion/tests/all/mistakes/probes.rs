@@ -361,4 +361,13 @@ pub const PROBES: [ProbeMistake; 38] = [
             "not new",
         ],
     ),
+    (
+        "9999 where a reading is missing",
+        GRAVITY,
+        |f| (0..f.rows.len()).step_by(40).for_each(|row| f.set(row, "dy_um", 9999.0, 0)),
+        &[
+            "the probe dy reads exactly +9999.00 µm in 5 of 168 points of setup low",
+            "stands for a missing reading",
+        ],
+    ),
 ];
