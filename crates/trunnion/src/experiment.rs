@@ -115,7 +115,8 @@ impl Experiment {
             .map_err(|none| nothing_left(none, &files))?
             .of_means(&readings);
         let (implausible, unlike) = (OnceLock::new(), OnceLock::new());
-        let opened = Opened { runs, plate, points, files, read, implausible, unlike, complete, not_whole, doubts };
+        let opened =
+            Opened { runs, plate, points, files, read, implausible, unlike, complete, not_whole, doubts };
         Ok(Self { opened: Arc::new(opened) })
     }
 

@@ -69,7 +69,7 @@ pub fn turned(deg: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
     move |[x, y, z]| [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-pub const PROBES: [ProbeMistake; 38] = [
+pub const PROBES: [ProbeMistake; 39] = [
     (
         "every probe at the input of the next",
         GRAVITY,
