@@ -6,6 +6,7 @@
 //! pattern that repeats. It has mean variance 1 per reading, so that ρ_k is its size in units of the white noise s. The sizes are
 //! learned by restricted maximum likelihood with the prior above, for each run and again with every effect that is weighed.
 
+mod choice;
 mod compressed;
 mod dense;
 pub(crate) mod display;

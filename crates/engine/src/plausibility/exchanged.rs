@@ -2,7 +2,7 @@
 
 mod at_a_point;
 mod axes;
-mod delayed;
+pub(super) mod delayed;
 mod mirror;
 mod parts;
 mod physics;
@@ -20,7 +20,6 @@ use crate::Experiment;
 use crate::noise::repeatability::repeatability;
 use crate::problem::passes::passes;
 use axes::{PROBES, ways};
-pub(super) use delayed::by_rows;
 use nalgebra::DVector;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::{Joint, NestSide};

@@ -29,7 +29,9 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
         return found;
     }
     let of_run = |looked| {
-        exchanged::exchanged(looked).or_else(|| exchanged::by_rows(looked)).or_else(|| path::left(looked))
+        exchanged::exchanged(looked)
+            .or_else(|| exchanged::delayed::by_rows(looked))
+            .or_else(|| path::left(looked))
     };
     looked.iter().filter_map(of_run).collect()
 }

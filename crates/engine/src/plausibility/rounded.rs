@@ -277,7 +277,7 @@ pub fn rounded_lengths(run: &Run) -> Option<Rounded> {
     let is_pattern = scatter_mm < 0.5 * step_mm && hidden_mm > PART_OF_NOISE * scatter_mm;
     is_pattern.then(|| Rounded {
         finding: format!(
-            "{}: the readings are given {given}. That adds u = {hidden_um:.1} µm to each, alike at like places; readings of one pose scatter by {:.2} µm.",
+            "{}: the readings are given {given}. That adds u = {hidden_um:.1} µm to each, the same at every visit of a place; readings of one pose scatter by {:.2} µm.",
             run.name,
             um_from_mm(scatter_mm)
         ),

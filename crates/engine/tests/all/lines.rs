@@ -235,8 +235,11 @@ fn where_no_cycle_was_considered_nothing_is_said_of_all_cycles() {
     assert!(plan.answer.starts_with("No cycle is known to the planner"), "{}", plan.answer);
 }
 
+/// What is read of a row, mm, of what was there.
+type Read<'a> = &'a dyn Fn(usize, f64) -> f64;
+
 /// X visited at 11 targets, five times there and back, with 30 µm over the length and 0.2 µm of noise.
-fn visited(read: &dyn Fn(usize, f64) -> f64) -> Vec<(String, String)> {
+fn visited(read: Read) -> Vec<(String, String)> {
     let there: Vec<f64> = (0..11).map(|k| 50.0 * f64::from(k)).collect();
     let pass: Vec<f64> = there.iter().chain(there.iter().rev()).copied().collect();
     let machine = shipped::machine("three-axis").unwrap();
@@ -262,7 +265,7 @@ fn lengths_that_were_rounded_are_named_before_a_wave_is() {
     let digits = |_: usize, mm: f64| format!("{mm:.2e}").parse::<f64>().unwrap();
     assert_eq!(visited(&|_, mm| mm), [], "as read");
     assert_eq!(visited(&to(1e-4)), [], "four decimals");
-    let cases: [(&str, &dyn Fn(usize, f64) -> f64); 2] = [
+    let cases: [(&str, Read); 2] = [
         ("in steps of 0.01 mm. That adds u = 2.9 µm", &to(0.01)),
         ("with no more than 3 significant digits, the largest in steps of 1 mm", &digits),
     ];

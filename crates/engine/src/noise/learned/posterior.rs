@@ -12,13 +12,13 @@
 //! compressed ([`super::compressed`]).
 
 use super::Real;
+use super::choice::Choice;
 use super::compressed::{Compressed, Here, variances};
 use super::kernel::{Kernel, Part};
 use super::kernels::Kernels;
 use super::mode::{LONGEST_STEP, Mode, SHORTER};
 use super::proposal::{Place, Proposal, count, shares_of};
 use super::size::{Density, OfOne};
-use crate::solve::normal::below;
 use nalgebra::{DMatrix, DVector};
 
 const STEPS: usize = 8;
@@ -120,19 +120,6 @@ fn truncated(ln_weights: &[f64]) -> Vec<f64> {
     weights
 }
 
-/// A choice of parts at its mode.
-pub(super) struct Choice {
-    pub kernels: Vec<usize>,
-    /// x̂: ln ρ of those less ln ρ̂ of all kernels together.
-    pub x: DVector<f64>,
-    pub densities: Vec<Density>,
-    /// R = L Lᵀ: L, and ½ ln|R|.
-    pub root: DMatrix<f64>,
-    pub ln_root: f64,
-    /// ln p(z | c), but for a constant.
-    pub ln_evidence: f64,
-}
-
 /// The posterior at some sizes.
 struct At {
     ratios: Vec<f64>,
@@ -146,19 +133,6 @@ struct Posterior<'a> {
     kernels: &'a Kernels,
     /// ln ρ̂.
     ln_rho: &'a [f64],
-}
-
-impl Choice {
-    /// Sizes at normal deviates, and ln of dx/dζ with √2π to their number.
-    fn at(&self, deviates: &DVector<f64>) -> (DVector<f64>, f64) {
-        let mut ln_volume = 0.0;
-        let x = DVector::from_fn(deviates.len(), |k, _| {
-            let (off, density) = self.densities[k].quantile(below(deviates[k]));
-            ln_volume -= density.ln() + 0.5 * deviates[k].powi(2) + 0.5 * (2.0 * std::f64::consts::PI).ln();
-            self.x[k] + off
-        });
-        (x, ln_volume)
-    }
 }
 
 impl Posterior<'_> {

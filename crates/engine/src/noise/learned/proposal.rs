@@ -9,8 +9,8 @@
 //! with weights that come nearer to p the more draws bear it: efficient importance sampling [Richard 2007]. A proposal from draws is wider
 //! by [`WIDER`], so that large sizes that no draw has met are met next, and keeps [`KEPT`] of the first shares.
 
+use super::choice::Choice;
 use super::lattice::places;
-use super::posterior::Choice;
 use crate::solve::normal::deviate;
 use nalgebra::{DMatrix, DVector};
 
@@ -106,7 +106,7 @@ pub(super) fn shares_of(ln: impl Iterator<Item = f64> + Clone) -> Vec<f64> {
     shares
 }
 
-/// How many draws of equal weight know as much [Kish 1965]; `weights` add up to 1.
+/// How many draws of equal weight know as much [Kong 1994]; `weights` add up to 1.
 pub(super) fn count(weights: &[f64]) -> f64 {
     weights.iter().map(|weight| weight.powi(2)).sum::<f64>().recip()
 }

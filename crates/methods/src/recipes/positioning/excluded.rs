@@ -44,7 +44,7 @@ pub(super) fn note(excluded: &[String], runs: &[Run]) -> Option<String> {
         ),
     };
     Some(format!(
-        "{which} in no value, as in `identify`. ISO 230-2 excludes nothing: where it was no mishap of the \
+        "{which} in no value, as in `identify`. ISO 230-2 excludes nothing: where it was no fault of the \
          measurement, look for the cause, and measure again."
     ))
 }
