@@ -36,8 +36,9 @@ pub(in crate::plausibility) fn by_rows(looked: &Looked) -> Option<Implausible> {
     let (mistake, left_mm) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
     // The variance of so many repeats has the relative standard deviation √(2/ν) [normal distribution].
     let chance = SURE * (2.0 / repeated.degrees_of_freedom.max(1) as f64).sqrt();
-    let fits = left_mm.powi(2) <= repeated.sigma_mm.powi(2) * (1.0 + chance);
-    (fits && before_mm > AS_GOOD * left_mm).then(|| {
+    let fits = |mm: f64| mm.powi(2) <= repeated.sigma_mm.powi(2) * (1.0 + chance);
+    // Readings that fit as they are need no shift: of ten, one fits better by chance.
+    (!fits(before_mm) && fits(left_mm) && before_mm > AS_GOOD * left_mm).then(|| {
         let [before_um, left_um, repeat_um] = [before_mm, left_mm, repeated.sigma_mm].map(um_from_mm);
         Implausible {
             finding: format!(
