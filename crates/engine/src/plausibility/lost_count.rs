@@ -2,10 +2,11 @@
 //!
 //! Deviations e = reading − nominal at one pose, approached from one side, come again. With a step s from row k on they are
 //! e_i = μ_pose + s·[i ≥ k]; s = h·e/h·h of both less the mean of their pose. Where every pose was read once, or all of them before k, nothing shows it:
-//! it may be the axis. Over a pause material may grow as fast: no step is sought there.
+//! it may be the axis. Over a pause material may grow as fast: no step is sought there. Of more readings than are looked at elsewhere none is asked.
 
 use super::exchanged::{BELIEVED, GROSS_UM};
 use super::found::Implausible;
+use super::looked::MOST_POINTS;
 use super::readings::FEWEST_POINTS;
 use crate::Experiment;
 use crate::noise::learned::display::nominal_readings_mm;
@@ -31,7 +32,7 @@ fn of_setup(run: &Run, setup: usize) -> Option<Implausible> {
     let own = |(_, point): &(usize, &Point)| point.state.setup == setup && point.is_good();
     let (rows, points): (Vec<usize>, Vec<Point>) =
         (1..).zip(&run.points).filter(own).map(|(row, point)| (row, point.clone())).unzip();
-    if points.len() < FEWEST_POINTS {
+    if !(FEWEST_POINTS..=MOST_POINTS).contains(&points.len()) {
         return None;
     }
     let experiment = Experiment::of_points(&[Run { points: points.clone(), ..run.clone() }]).ok()?;
@@ -39,7 +40,8 @@ fn of_setup(run: &Run, setup: usize) -> Option<Implausible> {
     let poses = poses(run, &points);
     let error_mm = less_means(error_mm.as_slice(), &poses);
     let before_mm = statistics::rms(error_mm.iter().copied())?;
-    let steps = (1..points.len()).filter(|at| !is_pause(&points, *at)).filter_map(|at| {
+    let is_pause = pauses(&points);
+    let steps = (1..points.len()).filter(|at| !is_pause[*at]).filter_map(|at| {
         let step: Vec<f64> = (0..points.len()).map(|i| f64::from(u8::from(i >= at))).collect();
         let step = less_means(&step, &poses);
         let squares: f64 = step.iter().map(|h| h * h).sum();
@@ -91,9 +93,10 @@ fn less_means(values: &[f64], poses: &[usize]) -> Vec<f64> {
     values.iter().zip(poses).map(|(value, pose)| value - sums[pose].0 / sums[pose].1).collect()
 }
 
-fn is_pause(points: &[Point], at: usize) -> bool {
-    let step_s = |at: usize| Some(points[at].state.time_s? - points[at - 1].state.time_s?);
+/// Whether a pause is before each point.
+fn pauses(points: &[Point]) -> Vec<bool> {
+    let step_s = |at: usize| Some(points[at].state.time_s? - points[at.checked_sub(1)?].state.time_s?);
     let all_s: Vec<f64> = (1..points.len()).filter_map(step_s).collect();
     let usual_s = statistics::median(&all_s).unwrap_or(0.0);
-    step_s(at).is_some_and(|step_s| step_s > PAUSE_STEPS * usual_s)
+    (0..points.len()).map(|at| step_s(at).is_some_and(|step_s| step_s > PAUSE_STEPS * usual_s)).collect()
 }

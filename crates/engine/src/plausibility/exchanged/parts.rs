@@ -14,6 +14,8 @@ use std::ops::Range;
 const FEWEST: usize = 24;
 /// Points that are tried at once as the first of a part, evenly; then those next to the best. For time only.
 const TRIED_AT_ONCE: usize = 100;
+/// Beginnings of passes between every two of which a part is tried, evenly: 435 parts. For time only.
+const BETWEEN: usize = 30;
 
 impl Trial<'_> {
     /// From the beginning of the pass or setup with which least is left, in the passes with which it is, and from such a point of any pass on.
@@ -22,8 +24,10 @@ impl Trial<'_> {
         let count = self.experiment.points.len();
         let begins = self.begins();
         let to_the_end = begins.iter().map(|&first| first..count);
-        let between = begins.iter().enumerate();
-        let between = between.flat_map(|(k, &first)| begins[k + 1..].iter().map(move |&end| first..end));
+        let some: Vec<usize> =
+            begins.iter().copied().step_by(begins.len().div_ceil(BETWEEN).max(1)).collect();
+        let between = some.iter().enumerate();
+        let between = between.flat_map(|(k, &first)| some[k + 1..].iter().map(move |&end| first..end));
         [parts.best(to_the_end), parts.best(between), parts.best_from_any_point()]
             .into_iter()
             .flatten()
