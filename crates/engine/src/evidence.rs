@@ -11,7 +11,7 @@ mod algebra;
 mod best_set;
 mod weighed;
 
-pub use algebra::{joined, log_mean_exp, off, orthonormal, parallel, turned};
+pub use algebra::{joined, off, orthonormal, parallel, turned};
 pub use best_set::{BestSet, best_set};
 pub use weighed::{Weighed, weighed};
 

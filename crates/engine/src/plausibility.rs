@@ -35,7 +35,9 @@ mod ways;
 pub use clock::{ClockDoubt, clock_doubt};
 pub use found::Implausible;
 pub use readings::FEWEST_POINTS;
-pub use rounded::{PositionDigits, Rounded, rounded_lengths};
+pub use rounded::Rounded;
+pub use rounded::lengths::rounded_lengths;
+pub use rounded::positions::PositionDigits;
 pub use together::{Unlike, unlike};
 
 use trunnion_core::InstrumentKind;

@@ -6,6 +6,7 @@ pub(crate) mod direction;
 pub(crate) mod echelon;
 pub(crate) mod golden_section;
 pub mod linear;
+pub(crate) mod logarithms;
 pub(crate) mod normal;
 pub(crate) mod null_space;
 pub(crate) mod unseen;

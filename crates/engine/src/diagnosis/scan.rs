@@ -3,12 +3,13 @@
 
 use crate::diagnosis::options::DiagnoseError;
 use crate::diagnosis::vocabulary::Vocabulary;
-use crate::evidence::{joined, log_mean_exp, orthonormal, turned};
+use crate::evidence::{joined, orthonormal, turned};
 use crate::noise::learned::mode::{Mode, Readings};
 use crate::noise::learned::remainder::{Fitted, Remainder};
 use crate::noise::learned::{Real, tails};
 use crate::problem::Problem;
 use crate::problem::credible::credible_columns;
+use crate::solve::logarithms::log_mean_exp;
 use crate::spectrum::free_waves;
 use crate::spectrum::left::Left;
 use nalgebra::{DMatrix, DVector};

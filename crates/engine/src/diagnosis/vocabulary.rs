@@ -6,10 +6,11 @@
 use crate::Experiment;
 use crate::diagnosis::families::{Carriers, Family, families};
 use crate::diagnosis::refine::readable;
-use crate::evidence::{log_mean_exp, parallel, weighed};
+use crate::evidence::{parallel, weighed};
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
 use crate::noise::machine_noise::{Order, ground_joint, modulated, unit_columns};
+use crate::solve::logarithms::log_mean_exp;
 use crate::spectrum::Wave;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;

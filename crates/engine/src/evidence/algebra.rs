@@ -57,15 +57,6 @@ pub fn joined(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
     all
 }
 
-/// ln of the mean of exp; −∞ of nothing.
-pub fn log_mean_exp(terms: &[f64]) -> f64 {
-    let largest = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if largest == f64::NEG_INFINITY {
-        return largest;
-    }
-    largest + (terms.iter().map(|x| (x - largest).exp()).sum::<f64>() / terms.len() as f64).ln()
-}
-
 /// `f(0..count)` on a few threads, results in order.
 pub fn parallel<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let share = count.div_ceil(WORKERS).max(1);

@@ -1,6 +1,6 @@
 //! What a block of columns says, from its products alone.
 
-use super::algebra::log_mean_exp;
+use crate::solve::logarithms::log_mean_exp;
 use nalgebra::{DMatrix, DVector};
 
 /// Prior sizes of an effect, rms over the readings in units of the white noise: from what is hardly seen to what is obvious.

@@ -12,6 +12,7 @@
 
 use crate::fit::identification::Identification;
 use crate::fit::mixture::half_width;
+use crate::solve::logarithms::shares_of;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use trunnion_core::statistics::COVERAGE_95;
 
@@ -129,12 +130,10 @@ fn differences(runs: &[Estimate]) -> Option<Differences> {
         .map(|(lambda, prior)| Some(prior.ln() + likelihood_ln(runs, &(&typical * *lambda))?))
         .collect();
     let ln = ln?;
-    let highest = ln.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let weights: Vec<f64> = ln.iter().map(|ln| (ln - highest).exp()).collect();
-    let total: f64 = weights.iter().sum();
+    let weights = shares_of(ln.into_iter());
     // In units of C̄: the mean of the runs has 1/k of it.
     let variance_of = |lambda: f64| 1.0 / count + lambda * (1.0 + share_of_mean);
-    let member = |((lambda, _), weight): (&(f64, f64), &f64)| (variance_of(*lambda).sqrt(), weight / total);
+    let member = |((lambda, _), weight): (&(f64, f64), &f64)| (variance_of(*lambda).sqrt(), *weight);
     let half_width = half_width(&levels.iter().zip(&weights).map(member).collect::<Vec<_>>());
     let lambda = ((half_width / COVERAGE_95).powi(2) - 1.0 / count).max(0.0) / (1.0 + share_of_mean);
     let variances = typical.diagonal().iter().map(|variance| lambda * variance).collect();

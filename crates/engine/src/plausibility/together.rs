@@ -3,7 +3,7 @@
 //! Days of one machine differ, and may differ by all that warming makes of it. But what a day changes has no direction towards zero: that m location errors
 //! come out smaller by a factor r all together has, for two days of the same variance, the chance P(F(m, m) > r²) [Fisher]. A correction does
 //! just that.
-//! Limits: a correction that left more than a quarter, or of fewer errors, is not told from a day. Runs as unlike as those of two machines are
+//! Limits: a correction that left more than a quarter, or of fewer errors, looks like one day and the next. Runs as unlike as those of two machines are
 //! said to be so and judged all the same: a machine may have changed so far.
 
 use super::found::{Implausible, plain};

@@ -7,9 +7,9 @@
 //! p(z | c) ≈ p(z | x̂_c) p(x̂_c) |R_c|^½ Π_k I_k,   R_c: correlations of H_c⁻¹,   I_k: integral of the density of one size ([`super::size`])
 //!
 //! Draws: c by p(z | c); x by normal deviates ζ of correlation R_c, each carried over to the density of its size; weight p(z | x) p(x)/q(x).
-//! Where few draws count, more are made from proposals fitted to those that there are ([`super::proposal`]). Sizes are drawn together because parts resemble each other: drift over a pass looks like
-//! the offset of a pass, and with the others held where they are most probable either would be known far too well. z: the readings,
-//! compressed ([`super::compressed`]).
+//! Where few draws count, more are made from proposals fitted to those that there are ([`super::proposal`]). Sizes are drawn together because
+//! parts resemble each other: drift over a pass looks like the offset of a pass, and with the others held where they are most probable
+//! either would be known far too well. z: the readings, compressed ([`super::compressed`]).
 
 use super::Real;
 use super::choice::Choice;
@@ -17,8 +17,9 @@ use super::compressed::{Compressed, Here, variances};
 use super::kernel::{Kernel, Part};
 use super::kernels::Kernels;
 use super::mode::{LONGEST_STEP, Mode, SHORTER};
-use super::proposal::{Place, Proposal, count, shares_of};
+use super::proposal::{Place, Proposal, count};
 use super::size::{Density, OfOne};
+use crate::solve::logarithms::{log_mean_exp, shares_of};
 use nalgebra::{DMatrix, DVector};
 
 const STEPS: usize = 8;
@@ -31,7 +32,7 @@ const SHORTEST: f64 = 0.04;
 const ROUNDS: usize = 3;
 const ENOUGH: f64 = 500.0;
 
-/// Draws that weigh so much less than the mean make up less of all than this, and are left out.
+/// Draws that weigh less than this share of the mean are left out: all of them together weigh less than this share of all.
 const NEGLIGIBLE: f64 = 1e-4;
 
 /// One choice of sizes.
@@ -103,9 +104,7 @@ fn of_mixture(choices: &[Choice], proposals: &[Proposal], all: &[Drawn]) -> Vec<
     let of_draw = |drawn: &Drawn| {
         let ln: Vec<f64> =
             proposals.iter().map(|proposal| proposal.ln_density(choices, &drawn.place)).collect();
-        let most = ln.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let sum: f64 = ln.iter().map(|ln| (ln - most).exp()).sum();
-        drawn.ln_density - most - (sum / ln.len() as f64).ln()
+        drawn.ln_density - log_mean_exp(&ln)
     };
     all.iter().map(of_draw).collect()
 }

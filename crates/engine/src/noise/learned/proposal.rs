@@ -6,11 +6,12 @@
 //!
 //! ln p/q₁ ≈ a_c + Σ_k b_k ζ_k   ⇒   s_c ∝ s_c1 exp(a_c + ½ bᵀR_cb),   μ_c = R_c b
 //!
-//! with weights that come nearer to p the more draws bear it: efficient importance sampling [Richard 2007]. A proposal from draws is wider
+//! with weights as near to those of p as leave [`COUNTED`] of the draws: efficient importance sampling [Richard 2007]. A proposal from draws is wider
 //! by [`WIDER`], so that large sizes that no draw has met are met next, and keeps [`KEPT`] of the first shares.
 
 use super::choice::Choice;
 use super::lattice::places;
+use crate::solve::logarithms::shares_of;
 use crate::solve::normal::deviate;
 use nalgebra::{DMatrix, DVector};
 
@@ -49,19 +50,16 @@ impl Proposal {
     /// `drawn`: every place with ln p/q₁; `ln_weights`: ln of p over what they were drawn from.
     pub fn nearer(&self, choices: &[Choice], drawn: &[(&Place, f64)], ln_weights: &[f64]) -> Self {
         let (of_choices, slopes) = rise(choices, drawn, &tempered(ln_weights));
-        let means: Vec<DVector<f64>> = choices
-            .iter()
-            .map(|choice| {
-                let b =
-                    DVector::from_iterator(choice.kernels.len(), choice.kernels.iter().map(|&k| slopes[k]));
-                &choice.root * choice.root.tr_mul(&b)
-            })
-            .collect();
-        let gain = |(choice, mean): (&Choice, &DVector<f64>)| {
-            0.5 * choice.kernels.iter().zip(mean.iter()).map(|(&k, mean)| slopes[k] * mean).sum::<f64>()
+        // μ and ½ bᵀμ.
+        let moved = |choice: &Choice| {
+            let b = DVector::from_iterator(choice.kernels.len(), choice.kernels.iter().map(|&k| slopes[k]));
+            let mean = &choice.root * choice.root.tr_mul(&b);
+            let gain = 0.5 * b.dot(&mean);
+            (mean, gain)
         };
-        let ln = self.shares.iter().zip(&of_choices).zip(choices.iter().zip(&means));
-        let shares = shares_of(ln.map(|((share, a), both)| share.ln() + a + gain(both)));
+        let (means, gains): (Vec<DVector<f64>>, Vec<f64>) = choices.iter().map(moved).unzip();
+        let ln = self.shares.iter().zip(&of_choices).zip(&gains);
+        let shares = shares_of(ln.map(|((share, a), gain)| share.ln() + a + gain));
         let kept = |(share, first): (f64, &f64)| (1.0 - KEPT) * share + KEPT * first;
         Self { shares: shares.into_iter().zip(&self.shares).map(kept).collect(), means, width: WIDER }
     }
@@ -70,7 +68,7 @@ impl Proposal {
     pub fn draws(&self, choices: &[Choice], kernels: usize, round: usize) -> impl Iterator<Item = Place> {
         places(1 + kernels, round).filter_map(|place| {
             let (choice, others) = place.split_first()?;
-            let choice = self.choice(*choice);
+            let choice = self.choice(*choice)?;
             let z = others.iter().take(self.means[choice].len()).map(|place| deviate(*place));
             let z = DVector::from_iterator(self.means[choice].len(), z);
             let deviates = &self.means[choice] + &choices[choice].root * z * self.width;
@@ -78,12 +76,13 @@ impl Proposal {
         })
     }
 
-    fn choice(&self, mut place: f64) -> usize {
+    /// `None` where there is no choice at all.
+    fn choice(&self, mut place: f64) -> Option<usize> {
         let is_it = |share: &f64| {
             place -= share;
             place < 0.0
         };
-        self.shares.iter().position(is_it).unwrap_or(self.shares.len() - 1)
+        self.shares.iter().position(is_it).or(self.shares.len().checked_sub(1))
     }
 
     /// ln q of a place, without √2π to the number of its kernels.
@@ -95,15 +94,6 @@ impl Proposal {
         let of_width = z.len() as f64 * self.width.ln();
         self.shares[at.choice].ln() - 0.5 * z.norm_squared() - choice.ln_root - of_width
     }
-}
-
-/// Shares that add up to 1 from their logarithms.
-pub(super) fn shares_of(ln: impl Iterator<Item = f64> + Clone) -> Vec<f64> {
-    let most = ln.clone().fold(f64::NEG_INFINITY, f64::max);
-    let mut shares: Vec<f64> = ln.map(|ln| (ln - most).exp()).collect();
-    let sum: f64 = shares.iter().sum();
-    shares.iter_mut().for_each(|share| *share /= sum);
-    shares
 }
 
 /// How many draws of equal weight know as much [Kong 1994]; `weights` add up to 1.
@@ -194,6 +184,12 @@ mod tests {
             assert!((found - mean).amax() < 0.02, "{found} instead of {mean}");
             assert!((share - (0.9 * evidence + 0.05)).abs() < 0.01, "{share}");
         }
+    }
+
+    /// Rounding may leave no choice with a covariance: the draws are none then, not a panic.
+    #[test]
+    fn of_no_choice_nothing_is_drawn() {
+        assert_eq!(Proposal::first(&[]).draws(&[], 3, 0).count(), 0);
     }
 
     /// ∫ q over the place of the second choice, on a grid: its share.
