@@ -5,13 +5,13 @@ use trunnion_core::axis::iso::{B, C};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::{Model, ModelEffect, Prior};
 use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, IdentifyError, Status, identify};
+use trunnion_engine::{Experiment, Identification, IdentifyError, Status, identify};
 
 fn nothing_hidden() -> Run {
     common::points_run("points-nothing-hidden")
 }
 
-fn fit(run: Run, model: &Model) -> Result<trunnion_engine::Identification, IdentifyError> {
+fn fit(run: Run, model: &Model) -> Result<Identification, IdentifyError> {
     identify(&Experiment::new(&[run]).expect("points"), model, &Options::default())
 }
 
@@ -33,6 +33,34 @@ fn one_percent_of_spikes_are_excluded_and_named() {
     for (a, b) in fit.parameters.iter().zip(&clean.parameters) {
         if let (Some(a), Some(b), Some(u)) = (a.value, b.value, b.u) {
             assert!((a - b).abs() < 0.5 * u);
+        }
+    }
+}
+
+/// Readings that a fit leaves out are no zeros either: what the others scatter, and how well the errors are known, is what the run without these
+/// points says. As zeros they would make the white part of the noise, in which all else is measured, as small as the prior allows.
+#[test]
+fn points_left_out_say_nothing_of_the_noise() {
+    let base = Model::base("table-bc");
+    for every in [19, 26, 57] {
+        let (mut wild, mut without) = (nothing_hidden(), nothing_hidden());
+        let far = |i: usize| i % every == every / 2;
+        for (i, point) in wild.points.iter_mut().enumerate().filter(|(i, _)| far(*i)) {
+            // Outliers of many sizes and signs.
+            point.reading_mm[i % 3] += 0.02 * (1.0 + (i % 5) as f64) * if i % 2 == 0 { 1.0 } else { -1.0 };
+        }
+        let mut i = 0..;
+        without.points.retain(|_| !far(i.next().unwrap()));
+        let (wild, without) = (fit(wild, &base).unwrap(), fit(without, &base).unwrap());
+        let part = |fit: &Identification, name: &str| {
+            fit.noise_parts.iter().find(|part| part.name == name).unwrap().sigma_mm
+        };
+        assert_eq!(wild.outliers.len(), wild.points - without.points);
+        assert!((part(&wild, "white") / part(&without, "white") - 1.0).abs() < 0.02, "{every}");
+        for (a, b) in wild.parameters.iter().zip(&without.parameters) {
+            if let (Some(a_u), Some(b_u)) = (a.u, b.u) {
+                assert!((a_u / b_u - 1.0).abs() < 0.25, "{every} {}: u {a_u:e} and {b_u:e}", a.name);
+            }
         }
     }
 }

@@ -67,7 +67,7 @@ impl Compressed {
         let of_wandering =
             |(kernel, variance): (&Kernel, f64)| if kernel.is_white() { 0.0 } else { variance };
         let variances: Vec<f64> = kernels.list.iter().zip(variances(mode)).map(of_wandering).collect();
-        let rows = y.len();
+        let rows = mode.here.sigma.rows;
         let t = directions(precision, kernels, &variances);
         let mut of_kernels = kernels.through(&t);
         of_kernels.iter_mut().zip(&variances).for_each(|(of_kernel, variance)| *of_kernel *= *variance);

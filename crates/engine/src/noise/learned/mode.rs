@@ -182,7 +182,7 @@ impl Readings<'_> {
             kernels.frames.iter().enumerate().map(contracted).collect();
         let folded: Vec<DMatrix<Real>> = kernels.frames.iter().map(|frame| frame.folded(&here.py)).collect();
         let mut gradient = DVector::zeros(x.len());
-        gradient[0] = here.quadratic - (rows - columns) as f64;
+        gradient[0] = here.quadratic - here.sigma.rows as f64 + columns as f64;
         let mut directions: DMatrix<Real> = DMatrix::zeros(rows, x.len());
         directions.set_column(0, &(self.y * 2.0));
         let mut traces = Vec::with_capacity(kernels.list.len());

@@ -4,6 +4,7 @@ use super::Real;
 use super::dense;
 use super::kernel::Over;
 use super::kernels::Kernels;
+use super::tails;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::Arc;
@@ -17,6 +18,9 @@ pub(crate) struct Sigma {
     /// Root mean square of the white standard deviations of all rows.
     pub white: f64,
     pub inverse: DMatrix<Real>,
+    /// Rows that say something.
+    pub rows: usize,
+    /// But for a constant: of rows that say nothing the variance is the same, whatever s is.
     log_det: f64,
 }
 
@@ -37,10 +41,10 @@ impl Sigma {
             let mut relative = relative.cast::<f64>();
             (dense::factor(&mut relative)?, dense::inverse(relative)?.cast::<Real>())
         };
-        let rows = inverse.nrows() as f64;
+        let rows = white.iter().filter(|white| **white < tails::NOTHING).count();
         inverse *= (-2.0 * x[0]).exp() as Real;
         let white = x[0].exp() * (1.0 + squares(true)).sqrt();
-        Some(Self { x: x.to_vec(), white, inverse, log_det: log_det + 2.0 * rows * x[0] })
+        Some(Self { x: x.to_vec(), white, inverse, rows, log_det: log_det + 2.0 * rows as f64 * x[0] })
     }
 }
 
