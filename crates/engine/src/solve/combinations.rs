@@ -6,7 +6,7 @@
 //! Limits: at most [`MOST`] errors without numbers; settings of instruments do not take part.
 
 use crate::solve::direction::Named;
-use crate::solve::echelon::{Row, echelon};
+use crate::solve::echelon::{Preferred, Row, echelon};
 use crate::solve::null_space::Direction;
 use crate::solve::words::spell;
 use nalgebra::{DMatrix, DVector, RowDVector};
@@ -86,5 +86,8 @@ pub(crate) fn seen_together(
     };
     let alike = vec![1.0; without_number.len()];
     let least = |_: &RowDVector<f64>| vec![TAKES_PART; without_number.len()];
-    echelon(v_t.select_rows(&kernel), &[], &[], &alike, &least).into_iter().map(combination).collect()
+    echelon(v_t.select_rows(&kernel), &Preferred::NONE, &[], &alike, &least)
+        .into_iter()
+        .map(combination)
+        .collect()
 }

@@ -28,18 +28,32 @@ impl Row {
     }
 }
 
+/// Columns from which pivots are taken first.
+pub(crate) struct Preferred<'a> {
+    /// In this order.
+    pub columns: &'a [usize],
+    /// An entry at 1 as a part of its usual size, of every column.
+    pub of_usual: &'a [f64],
+    /// A column whose zero asks more of another one than so many times its usual size comes after those of which none does.
+    pub most: f64,
+}
+
+impl Preferred<'_> {
+    pub const NONE: Self = Self { columns: &[], of_usual: &[], most: 1.0 };
+}
+
 /// Reduced row echelon form of orthonormal rows; pivots from `preferred` in this order while they take part, then the largest entries
 /// of the columns `first` while they take part, then of all those that are large the one that counts most. `least`: the shares of a row
 /// of length 1 from which each column takes part in it; an entry below is zero.
 pub(crate) fn echelon(
     mut rows: DMatrix<f64>,
-    preferred: &[usize],
+    preferred: &Preferred<'_>,
     first: &[usize],
     counts: &[f64],
     least: &dyn Fn(&RowDVector<f64>) -> Vec<f64>,
 ) -> Vec<Row> {
     let mut pivots = Vec::new();
-    let mut preferred = preferred.iter();
+    let mut waiting: Vec<usize> = preferred.columns.to_vec();
     while pivots.len() < rows.nrows() {
         let below = pivots.len();
         let part = taking_part(&rows.rows(below, rows.nrows() - below).into_owned(), least);
@@ -50,7 +64,14 @@ pub(crate) fn echelon(
             let cells = (below..rows.nrows()).map(|i| (i, column)).filter(takes_part);
             cells.max_by(|a, b| size(a).total_cmp(&size(b)))
         };
-        let chosen = preferred.by_ref().find_map(|&column| largest_in(column));
+        let in_usual = |i: usize, j: usize| rows[(i, j)].abs() * preferred.of_usual[j];
+        let asks_little = |&(i, column): &(usize, usize)| {
+            let asked = (0..rows.ncols()).map(|j| in_usual(i, j)).fold(0.0, f64::max);
+            asked <= preferred.most * in_usual(i, column)
+        };
+        let of_waiting = || waiting.iter().filter_map(|&column| largest_in(column));
+        let chosen = of_waiting().find(asks_little).or_else(|| of_waiting().next());
+        waiting.retain(|&column| chosen.is_none_or(|(_, chosen)| chosen != column));
         let among_first = || {
             let cells = first.iter().filter_map(|&column| largest_in(column));
             cells.max_by(|a, b| size(a).total_cmp(&size(b)))
@@ -104,11 +125,26 @@ fn taking_part(rows: &DMatrix<f64>, least: &dyn Fn(&RowDVector<f64>) -> Vec<f64>
 mod tests {
     use super::*;
 
+    /// A shift of a head, 1 µm, looks like 1 mrad of two zeros, 1 mm from each other: were the shift held at zero, 20 µm of it would be 20 mrad.
+    #[test]
+    fn a_zero_that_asks_much_of_others_waits_for_one_that_asks_little() {
+        let row = DMatrix::from_row_slice(1, 3, &[1e-3, 1.0, -1.0]).normalize();
+        let pivot = |columns: &[usize], of_usual: [f64; 3]| {
+            let preferred = Preferred { columns, of_usual: &of_usual, most: 10.0 };
+            echelon(row.clone(), &preferred, &[], &[1.0; 3], &|_| vec![1e-6; 3])[0].pivot
+        };
+        assert_eq!(pivot(&[0, 2], [1.0; 3]), 2);
+        assert_eq!(pivot(&[0, 2], [1e3, 1.0, 1.0]), 0, "in usual sizes it asks no more than there is");
+        assert_eq!(pivot(&[0], [1.0; 3]), 0, "the only one by convention");
+    }
+
     /// The zero of a display and the tilt of its plate, 15 mm apart, have the same share; third comes a parameter of a small share.
     #[test]
     fn of_parameters_involved_alike_the_one_that_counts_most_is_the_pivot() {
         let row = DMatrix::from_row_slice(1, 3, &[0.7, -0.71, 0.05]).normalize();
-        let pivot = |counts: [f64; 3]| echelon(row.clone(), &[], &[], &counts, &|_| vec![1e-6; 3])[0].pivot;
+        let pivot = |counts: [f64; 3]| {
+            echelon(row.clone(), &Preferred::NONE, &[], &counts, &|_| vec![1e-6; 3])[0].pivot
+        };
         assert_eq!(pivot([1.0, 1e3 / 15.0, 1.0]), 1);
         assert_eq!(pivot([1e3 / 15.0, 1.0, 1.0]), 0);
         assert_eq!(pivot([1.0, 1.0, 1e9]), 1, "a small share is no pivot, however much it counts");
@@ -117,18 +153,20 @@ mod tests {
     #[test]
     fn who_does_not_take_part_is_zero_and_no_pivot() {
         let row = DMatrix::from_row_slice(1, 3, &[1.0, 1.0, 1e-4]).normalize();
+        let third = Preferred { columns: &[2], of_usual: &[1.0; 3], most: f64::INFINITY };
         let Row { pivot, part: entries, rest } =
-            echelon(row.clone(), &[2], &[], &[1.0; 3], &|_| vec![1e-6, 1e-6, 1e-3]).remove(0);
+            echelon(row.clone(), &third, &[], &[1.0; 3], &|_| vec![1e-6, 1e-6, 1e-3]).remove(0);
         assert!(pivot != 2 && entries[2] == 0.0 && rest[2] != 0.0, "{entries:?} {rest:?}");
         let Row { pivot, part: entries, .. } =
-            echelon(row, &[2], &[], &[1.0; 3], &|_| vec![1e-6; 3]).remove(0);
+            echelon(row, &third, &[], &[1.0; 3], &|_| vec![1e-6; 3]).remove(0);
         assert!(pivot == 2 && entries[0] != 0.0, "{entries:?}");
     }
 
     #[test]
     fn where_nobody_takes_part_the_pivot_is_still_one() {
         let row = DMatrix::from_row_slice(1, 2, &[0.6, 0.8]);
-        let Row { pivot, part: entries, .. } = echelon(row, &[], &[], &[1.0; 2], &|_| vec![2.0; 2]).remove(0);
+        let Row { pivot, part: entries, .. } =
+            echelon(row, &Preferred::NONE, &[], &[1.0; 2], &|_| vec![2.0; 2]).remove(0);
         assert!(entries[pivot] == 1.0 && entries[1 - pivot] == 0.0, "{entries:?}");
     }
 }

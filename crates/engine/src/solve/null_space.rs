@@ -7,7 +7,8 @@
 //! ([`of_null_directions`]). This is done in two stages, for the role of an effect decides who keeps a number (docs/decisions/0004-datum-convention.md).
 //!
 //! 1. Location errors and settings alone. Pivots are first the parameters that the minimum set of location errors defines as zero
-//!    (S2 tables 2–5), weakest first, then the most involved ones. A conventional pivot lets the others of its direction stand
+//!    (S2 tables 2–5), weakest first, then the most involved ones. One whose zero asks more than ten times their usual size of others comes
+//!    last: a shift of a head of a few mm between its axes would be a turn of 1 mrad for each µm. A conventional pivot lets the others of its direction stand
 //!    for it; any other pivot leaves its whole direction without numbers. Of parameters involved alike the pivot is the one whose
 //!    zero asks least of the others: of a tilt and a zero of the reading, 15 mm apart, the tilt. Were the zero held, a dead path of
 //!    10 mm would be a tilt of 40°.
@@ -18,7 +19,7 @@
 //! So an effect that is added to a model takes no number from the location errors and settings.
 
 use crate::solve::direction::Status;
-use crate::solve::echelon::{Row, echelon};
+use crate::solve::echelon::{Preferred, Row, echelon};
 use crate::solve::linear::Reduced;
 use crate::solve::unseen::unseen;
 use nalgebra::{DMatrix, DVector, RowDVector};
@@ -40,7 +41,8 @@ const CHANCE: f64 = 3.0;
 const USUAL_MM: f64 = 1.0;
 /// The same of a setting, which a hand left where it is.
 const SETTING_MM: f64 = 10.0;
-/// Who moves by less than its u while a null direction is so many times longer than usual takes no part in it.
+/// Who moves by less than its u while a null direction is so many times longer than usual takes no part in it. A zero by convention asks no more
+/// of others than this.
 const TIMES_USUAL: f64 = 10.0;
 /// Where nobody keeps the share of a null direction, a parameter keeps its number when the direction, as long as usual, moves it by less
 /// than this part of its own usual size: 50 µm for a tilt of 1 mrad that is not known. Its u then holds that.
@@ -270,7 +272,8 @@ impl Work<'_> {
             let unfelt_mm = noise_mm * largest(row.iter(), &of_longest) / TIMES_USUAL;
             root_cofactor.iter().map(|root| (root * off_mm.max(unfelt_mm)).max(least)).collect()
         };
-        let rows = echelon(vectors, &preferred, &first, &counts, &least_shares);
+        let zeros = Preferred { columns: &preferred, of_usual: &of_longest, most: TIMES_USUAL };
+        let rows = echelon(vectors, &zeros, &first, &counts, &least_shares);
         let held: Vec<usize> = rows.iter().map(|row| of[row.pivot]).collect();
         for mut row in rows {
             let pivot = row.pivot;

@@ -8,6 +8,7 @@ mod beam_tilts;
 mod channels;
 mod common;
 mod excluded_points;
+mod heads;
 mod held_out;
 mod intervals;
 mod linear_axes;

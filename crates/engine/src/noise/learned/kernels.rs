@@ -63,16 +63,19 @@ impl Kernels {
         let (list, frames) = (Vec::new(), Vec::new());
         let mut kernels = Self { list, frames, points, point_of_row, rows_of_point, components, single };
         let taken = Taken::new(experiment);
+        let axes = Axes::new(experiment, &taken);
         let channels = of_readings(experiment);
         let mut readings = In::frame(&mut kernels, channels.clone(), root);
         readings.add(Part::Pass, same_group(&taken.pass), 0.25, SPREAD_LN);
-        readings.add(Part::Pass, same_group(&taken.heading), 0.25, SPREAD_LN);
+        // On a line what all passes of one way share is backlash by definition, once a way was gone more than once.
+        if !axes.turning.is_empty() || count(&taken.pass) <= count(&taken.heading) {
+            readings.add(Part::Pass, same_group(&taken.heading), 0.25, SPREAD_LN);
+        }
         readings.add(Part::Pass, same_group(&taken.visit), 0.25, SPREAD_LN);
         readings.add(Part::Station, same_group(&taken.station), 0.12, SPREAD_LN);
         for tau in taken.times(DRIFT_OF_READINGS, SHORTEST_DRIFT_POINTS) {
             readings.add(Part::Drift, taken.drift(tau), 0.15, SPREAD_LN);
         }
-        let axes = Axes::new(experiment, &taken);
         if axes.turning.is_empty() {
             readings.add(Part::Drift, taken.trend(), 0.1, SPREAD_OF_SMOOTH_LN);
             for tau in taken.times(SMOOTH_DRIFT, SHORTEST_DRIFT_POINTS) {
