@@ -78,6 +78,8 @@ pub struct NotTabulated {
     pub effect: String,
     /// Why.
     pub why: String,
+    /// The parameter that holds an error of an axis at rest as well.
+    pub holds_axis_at_rest: Option<String>,
 }
 
 /// An effect with the numbers found.
@@ -118,6 +120,7 @@ impl AxisErrors {
                          Measure with it at several positions",
                         resting.terms[0].0
                     ),
+                    holds_axis_at_rest: Some(name.clone()),
                 });
             }
         }
@@ -135,12 +138,12 @@ impl AxisErrors {
                 .map(|(_, p)| p.name.as_str())
                 .collect();
             if let Some(why) = fitted.why_no_table(scene) {
-                left_out.push(NotTabulated { effect: entry.id.clone(), why });
+                left_out.push(NotTabulated { effect: entry.id.clone(), why, holds_axis_at_rest: None });
                 continue;
             }
             if !unseen.is_empty() {
                 let why = format!("no number, taken as zero: {}", unseen.join(", "));
-                left_out.push(NotTabulated { effect: entry.id.clone(), why });
+                left_out.push(NotTabulated { effect: entry.id.clone(), why, holds_axis_at_rest: None });
             }
             tabulated.push(fitted);
         }

@@ -58,6 +58,8 @@ pub enum ValueKind {
     Setting,
     /// What the whole measurement comes to, as its standard names it.
     Summary,
+    /// The same of a part of the measurement.
+    Part,
 }
 
 /// A table; every row has one cell for each column.

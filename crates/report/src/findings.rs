@@ -24,11 +24,17 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
     let (shown, hidden): (Vec<_>, Vec<_>) = findings.values.iter().partition(|found| found.value.is_some());
     let clear: Vec<&FoundValue> =
         shown.iter().copied().filter(|found| in_u(found).is_some_and(|size| size > CLEAR_U)).collect();
-    let with_u = shown.iter().filter(|found| in_u(found).is_some()).count();
+    let errors_with_u = |all: &[&FoundValue]| {
+        all.iter().filter(|found| found.kind == ValueKind::Error && in_u(found).is_some()).count()
+    };
+    let with_u = errors_with_u(&shown);
     let at_tool = |found: &FoundValue| at_tool_um(found.value?, &found.unit);
     let errors = clear.iter().copied().filter(|found| found.kind == ValueKind::Error);
     let most = errors.max_by(|a, b| at_tool(a).partial_cmp(&at_tool(b)).unwrap_or(Equal));
+    let only_summaries = with_u == 0 && shown.iter().any(|found| found.kind == ValueKind::Summary);
     let first = match most {
+        // They are the verdict.
+        None if only_summaries => None,
         Some(found) => {
             let (value, u) = value_and_u(found.value, found.u, &found.unit);
             let (name, symbol) = in_words(&found.name);
@@ -38,12 +44,14 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
             };
             // Of a unit without a shift it is not known how far it moves the tool.
             let does = if at_tool(found).is_some() { "moves the tool most" } else { "is significant" };
-            format!("{name} {does}: {value}{over}, standard uncertainty {u}{symbol}")
+            Some(format!("{name} {does}: {value}{over}, standard uncertainty {u}{symbol}."))
         }
-        None if !clear.is_empty() => "Only what mounting left is significantly different from zero".into(),
-        None if with_u > 0 => "No value is significantly different from zero".into(),
-        None if shown.is_empty() => "These runs show none of the values of this method".into(),
-        None => format!("{} values, without an uncertainty", shown.len()),
+        None if !clear.is_empty() => {
+            Some("Only what mounting left is significantly different from zero.".into())
+        }
+        None if with_u > 0 => Some("No value is significantly different from zero.".into()),
+        None if shown.is_empty() => Some("These runs show none of the values of this method.".into()),
+        None => Some(format!("{} values, without an uncertainty.", shown.len())),
     };
     let mut sentences = Vec::new();
     if !findings.plausibility.is_empty() {
@@ -52,11 +60,11 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
     }
     sentences
         .extend(shown.iter().filter(|found| found.kind == ValueKind::Summary).map(|found| summary(found)));
-    sentences.push(format!("{first}."));
+    sentences.extend(first);
     if with_u > 0 {
-        let count = clear.len();
+        let count = errors_with_u(&clear);
         sentences
-            .push(format!("{count} of {with_u} values with an uncertainty are larger than {CLEAR_U} u."));
+            .push(format!("{count} of {with_u} errors with an uncertainty are larger than {CLEAR_U} u."));
     }
     if !hidden.is_empty() {
         let names: Vec<&str> = hidden.iter().map(|found| found.name.as_str()).collect();

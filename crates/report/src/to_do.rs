@@ -138,9 +138,15 @@ fn correct(input: &Comparison) -> Vec<String> {
             "Enter nothing into the control: no error of an axis is larger than three standard uncertainties."
                 .into(),
         );
-    } else {
+    } else if correctable.at_rest.is_empty() {
         to_do.push("Enter nothing into the control: these runs give a number to no error of an axis.".into());
         to_do.push(SCHEMES.into());
+    } else {
+        to_do.push(format!(
+            "Enter nothing into the control yet: {} hold what an axis at rest adds as well, and are right only where it stood.",
+            correctable.at_rest.join(", ")
+        ));
+        to_do.push("Measure with that axis at several positions.".into());
     }
     for left in &correctable.left_out {
         to_do.push(format!(

@@ -19,6 +19,9 @@ pub struct Correctable {
     pub confounded: Vec<ConfoundedErrors>,
     /// Effects of the machine that are clear of their uncertainty and that no table of an axis holds, and why.
     pub left_out: Vec<LeftOutEffect>,
+    /// Those that hold an error of an axis at rest as well: right only where that axis stood.
+    #[serde(default)]
+    pub at_rest: Vec<String>,
     /// Why no control can be given anything of this machine; empty otherwise.
     pub why: String,
 }
@@ -32,13 +35,17 @@ impl Correctable {
         };
         let is_seen = |effect: &str| fit.parameters.iter().any(|p| p.effect == effect && is_clear(p));
         let left_out = errors.left_out.iter().filter(|left| {
-            !errors.effects.contains(&left.effect) && !is_setting(&left.effect) && is_seen(&left.effect)
+            left.holds_axis_at_rest.is_none()
+                && !errors.effects.contains(&left.effect)
+                && !is_setting(&left.effect)
+                && is_seen(&left.effect)
         });
         Self {
             clear: named(&is_clear),
             small: named(&|p| p.observable && !is_clear(p)),
             confounded: errors.confounded.iter().map(ConfoundedErrors::from).collect(),
             left_out: left_out.map(LeftOutEffect::from).collect(),
+            at_rest: errors.left_out.iter().filter_map(|left| left.holds_axis_at_rest.clone()).collect(),
             why: String::new(),
         }
     }

@@ -77,6 +77,8 @@ pub enum ValueKind {
     Setting,
     /// What the whole measurement comes to, as its standard names it.
     Summary,
+    /// The same of a part of the measurement.
+    Part,
 }
 
 /// A table; every row has one cell for each column.
@@ -231,6 +233,7 @@ impl From<&found::Findings> for Findings {
                 found::ValueKind::Error => ValueKind::Error,
                 found::ValueKind::Setting => ValueKind::Setting,
                 found::ValueKind::Summary => ValueKind::Summary,
+                found::ValueKind::Part => ValueKind::Part,
             },
         };
         Self {

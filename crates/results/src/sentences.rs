@@ -293,15 +293,21 @@ fn of_means(readings: Option<f64>) -> String {
     }
 }
 
-/// How far the numbers of an inadequate model hold; `None` where nothing shows that it is one.
+/// How far the numbers of an inadequate model hold, and of one of which nothing says whether it is one; `None` where it may hold.
 pub fn inadequate(fit: &Identification) -> Option<String> {
-    (fit.model_adequate == Some(false)).then(|| {
-        format!(
+    match (fit.model_adequate, fit.noise_um) {
+        (Some(false), _) => Some(format!(
             "These numbers hold only as far as the model does: it leaves {} rms ({}).",
             um(fit.rms_um),
             repeatability(fit.noise_um, fit.noise_readings)
-        )
-    })
+        )),
+        (None, None) => Some(format!(
+            "No pose was measured twice: whether the {} rms that the model leaves are noise is not known, and these numbers hold only if they \
+             are.",
+            um(fit.rms_um)
+        )),
+        _ => None,
+    }
 }
 
 /// What was left out of the fit for its held-out error.

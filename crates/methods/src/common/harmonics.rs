@@ -252,11 +252,12 @@ pub(crate) fn table(motions: &[(String, Unit, Harmonics)]) -> Option<FoundTable>
         let insignificant = harmonics.all.iter().filter(|h| !h.significant);
         let largest = insignificant.max_by(|a, b| a.amplitude.total_cmp(&b.amplitude)).copied();
         for harmonic in harmonics.significant().into_iter().chain(largest) {
-            let chance = if harmonic.significant {
-                format!("{:.1e}", harmonic.p)
-            } else {
-                format!("{:.2}: not significant", harmonic.p)
-            };
+            let p = harmonic.p;
+            let chance = if p < 0.01 { format!("{p:.1e}") } else { format!("{p:.2}") };
+            // A small one is no contradiction: the best of many that noise alone made is small too.
+            let remark =
+                if harmonic.significant { "" } else { ": not significant among all that were tried" };
+            let chance = chance + remark;
             rows.push(vec![
                 Cell::Text(name.clone()),
                 Cell::Text(harmonic.order.to_string()),

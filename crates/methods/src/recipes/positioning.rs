@@ -12,12 +12,12 @@
 //! Limits: a target that is reached from one side alone, as at the ends of a cycle without overrun, counts for that side, and is named; the axis alone moves; the tilt of the beam (cosine error), air and material temperature are in no value; a largest value grows with the
 //! number of targets.
 
-mod excluded;
 mod report;
 mod targets;
 
 use super::{Method, MethodError, MethodOptions, one_machine};
 use crate::Findings;
+use crate::common::lone;
 use targets::recognised;
 use trunnion_cycles::Run;
 
@@ -37,9 +37,7 @@ pub(super) static METHOD: Method = Method {
 
 fn run(runs: &[Run], _: &MethodOptions) -> Result<Findings, MethodError> {
     one_machine(runs)?;
-    let (kept, outliers) = excluded::without_outliers(runs);
+    let (kept, outliers) = lone::without_outliers(runs);
     let traces = recognised(&METHOD, &kept)?;
-    let mut findings = report::findings(&METHOD, runs, &traces);
-    findings.notes.splice(0..0, excluded::note(&outliers, runs));
-    Ok(Findings { excluded: outliers.len(), ..findings })
+    Ok(lone::named(report::findings(&METHOD, runs, &traces), &outliers, runs, "ISO 230-2"))
 }

@@ -13,6 +13,7 @@
 //! Sensitive directions of the radial motion: fixed along u and v (X and Y for C), and rotating with the axis,
 //! `u cos θ + v sin θ`. Tilt: the difference of two heights over their distance. Each direction of turning counts by itself, the
 //! larger value is the result; *reversal* is the largest distance of the mean contours of both directions.
+//! Readings that a fit of the base model excludes as single wrong ones count in no value, and are named: one of them would be every total value.
 //! Limits: between stations (1° at the finest) the signal is averaged, so lobes beyond about 100 a turn are damped; two heights
 //! read one after the other give a tilt whose total and asynchronous values are upper bounds; a single turn gives the total alone.
 
@@ -21,6 +22,7 @@ mod report;
 
 use super::{Method, MethodError, MethodOptions};
 use crate::Findings;
+use crate::common::lone;
 use crate::common::turning::Turning;
 use trunnion_cycles::Run;
 
@@ -39,6 +41,8 @@ pub(super) static METHOD: Method = Method {
 };
 
 fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
-    let turning = Turning::of(&METHOD, runs, options.axis)?;
-    report::findings(&METHOD, &turning, runs, options.convention)
+    let (kept, outliers) = lone::without_outliers(runs);
+    let turning = Turning::of(&METHOD, &kept, options.axis)?;
+    let found = report::findings(&METHOD, &turning, runs, options.convention)?;
+    Ok(lone::named(found, &outliers, runs, "ISO 230-7"))
 }

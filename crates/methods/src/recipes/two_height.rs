@@ -19,6 +19,7 @@ mod values;
 
 use super::{Method, MethodError, MethodOptions};
 use crate::Findings;
+use crate::common::lone;
 use crate::common::turning::Turning;
 use fit::Heights;
 use trunnion_cycles::Run;
@@ -38,7 +39,9 @@ pub(super) static METHOD: Method = Method {
 };
 
 fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
-    let turning = Turning::of(&METHOD, runs, options.axis)?;
+    let (kept, outliers) = lone::without_outliers(runs);
+    let turning = Turning::of(&METHOD, &kept, options.axis)?;
     let heights = Heights::of(&METHOD, &turning)?;
-    Ok(values::findings(&METHOD, &turning, &heights, runs, options.convention))
+    let found = values::findings(&METHOD, &turning, &heights, runs, options.convention);
+    Ok(lone::named(found, &outliers, runs, "The method"))
 }

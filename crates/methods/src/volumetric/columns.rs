@@ -140,7 +140,7 @@ impl Placed {
             low + 0.61803 * (high - low)
         });
         let (joints, elsewhere) = self.motions(scene, fit, &here);
-        let why = |why: String| Some(NotTabulated { effect: self.id.clone(), why });
+        let why = |why: String| Some(NotTabulated { effect: self.id.clone(), why, holds_axis_at_rest: None });
         if elsewhere {
             return why("it moves ball, nest or reading, not an axis".into());
         }

@@ -16,7 +16,7 @@ const RUNS: u64 = 120;
 const MOST: usize = 13;
 
 /// A shipped cycle on a perfect machine, read with white noise of 0.3 µm.
-fn empty(name: &str, seed: u64) -> Run {
+pub fn empty(name: &str, seed: u64) -> Run {
     let path = format!("{}/../../config/cycles/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
     let cycle = Cycle::parse(name, &text).unwrap_or_else(|problems| panic!("{problems}"));

@@ -19,5 +19,6 @@ mod methods;
 mod multilateration;
 mod positioning;
 mod quasi_static;
+mod rotary_values;
 mod roundness;
 mod thermal;

@@ -14,7 +14,9 @@ pub(super) static FORMAT: Format = Format {
     source: "this file; symbols of ISO 230-1",
     ending: "csv",
     signs: Signs::Either,
-    enter: &["Read the file into the program that feeds the control: each line is one number with its unit."],
+    enter: &[
+        "Read the file into the program that feeds the control: each line is one number with its unit, and the head of the file says its sign.",
+    ],
     undo: &["Take the file out of that program."],
     unconfirmed: &[],
     takes: takes_all,

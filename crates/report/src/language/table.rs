@@ -95,6 +95,8 @@ pub const ENTRIES: &[[&str; 3]] = &[
     ["no error of an axis is larger than three standard uncertainties", "kein Fehler einer Achse ist größer als drei Standardunsicherheiten", "標準不確かさの 3 倍を超える軸の誤差はない"],
     ["these runs give a number to no error of an axis", "diese Messläufe bestimmen keinen Fehler einer Achse", "この測定ではどの軸の誤差も求められない"],
     ["Enter nothing into the control yet: of the errors of the axes only combinations are known, which are right at the measured poses and may be wrong at others.", "Noch nichts in die Steuerung eingeben: Von den Fehlern der Achsen sind nur Kombinationen bekannt, die an den gemessenen Stellungen stimmen und an anderen falsch sein können.", "まだ制御装置に何も入力しない：軸の誤差は組合せのみ既知で、測定姿勢では正しいが他の姿勢では誤りうる。"],
+    ["Enter nothing into the control yet: {} hold what an axis at rest adds as well, and are right only where it stood.", "Noch nichts in die Steuerung eingeben: {} enthalten auch, was eine ruhende Achse beiträgt, und stimmen nur dort, wo sie stand.", "まだ制御装置に何も入力しない：{} は静止していた軸の寄与も含み、その軸の停止位置でのみ正しい。"],
+    ["Measure with that axis at several positions.", "Mit dieser Achse an mehreren Positionen messen.", "その軸の位置を変えて測定する。"],
     ["To find errors of the axes, measure a cycle that shows them: the guide \"Measurement schemes\" lists cycles for each instrument.", "Um Fehler der Achsen zu finden, einen Zyklus messen, der sie zeigt: Die Anleitung „Measurement schemes“ nennt Zyklen für jedes Messmittel.", "軸の誤差を求めるには、それを検出できる測定サイクルで測る：ガイド「Measurement schemes」に測定器ごとのサイクルがある。"],
     ["Look for the cause of {} at the machine: no table of an axis takes it.", "Die Ursache von {} an der Maschine suchen: Keine Tabelle einer Achse nimmt es auf.", "{} の原因を機械で調べる：軸の補正表には入れられない。"],
     ["Missing from the model, together: {}", "Im Modell fehlen, gemeinsam: {}", "モデルに不足している要因（複数）：{}"],
@@ -206,6 +208,7 @@ pub const ENTRIES: &[[&str; 3]] = &[
     ["runs", "Messläufe", "測定"],
     ["blocks", "Blöcke", "ブロック"],
     ["In these data {} is confounded with {}.", "In diesen Daten ist {} nicht von {} zu trennen.", "このデータでは {} を {} と分離できない。"],
+    ["No pose was measured twice: whether the {} rms that the model leaves are noise is not known, and these numbers hold only if they are.", "Keine Stellung wurde zweimal gemessen: Ob die {} rms, die das Modell übrig lässt, Rauschen sind, ist nicht bekannt, und diese Zahlen gelten nur, wenn sie es sind.", "同一姿勢の繰返し測定がない：モデルの残差 {} rms がノイズかどうかは不明で、これらの数値はノイズである場合にのみ有効。"],
     ["These numbers hold only as far as the model does: it leaves {} rms ({}).", "Diese Zahlen gelten nur so weit wie das Modell: Es lässt {} rms übrig ({}).", "これらの数値はモデルが成り立つ範囲でのみ有効：残差は {} rms（{}）。"],
     // Where and why.
     ["Where the model fails most", "Wo das Modell am meisten versagt", "モデルの誤差が最も大きい箇所"],

@@ -1,9 +1,12 @@
 //! What to enter into a control, for the terminal.
 
 use super::table::clean;
+use crate::compensation::{Signs, format};
 use trunnion_results::number::{plain, signed, trimmed};
 use trunnion_results::sentences::ALL_CLEAR;
-use trunnion_results::{Correction, CorrectionJudged, Decision, SelfTest, SignVerdict, Verdict};
+use trunnion_results::{
+    Correction, CorrectionJudged, CorrectionValues, Decision, SelfTest, SignVerdict, Verdict,
+};
 
 /// What to do, what to check first, what to expect, and how to undo it.
 pub fn correction_text(answer: &Correction) -> String {
@@ -46,6 +49,10 @@ pub fn correction_text(answer: &Correction) -> String {
         };
     }
     out += &steps("Enter", &answer.enter);
+    if holds_errors(answer) {
+        out += "  The values are errors (actual − nominal): the control must apply the opposite. Say so where it asks for the sign, or write the \
+                file with --corrections.\n";
+    }
     if let Some(check) = &answer.check_first {
         let readings = named(&check.components, &check.change_um);
         out += &format!(
@@ -82,11 +89,18 @@ fn first_sentence(answer: &Correction) -> String {
         Verdict::NotJudged => "The runs were not judged.",
     };
     format!(
-        "{} holds the corrections of {} for {}. {model}",
+        "{} holds the {} of {} for {}. {model}",
         clean(&answer.written),
+        if holds_errors(answer) { "errors" } else { "corrections" },
         axes.join(", "),
         answer.control
     )
+}
+
+/// A file of tables, in which either sign may stand, with errors in it.
+fn holds_errors(answer: &Correction) -> bool {
+    let is_either = format(&answer.control).is_some_and(|format| format.signs == Signs::Either);
+    is_either && answer.values == CorrectionValues::Error
 }
 
 fn steps(title: &str, steps: &[String]) -> String {

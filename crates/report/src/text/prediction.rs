@@ -8,7 +8,8 @@ use trunnion_results::{Prediction, RunPrediction};
 
 /// Error and share inside the band of each run.
 pub fn prediction_text(prediction: &Prediction) -> String {
-    let mut out = format!(
+    let mut out = verdict(prediction).map_or(String::new(), |verdict| paragraph(&verdict) + "\n");
+    out += &format!(
         "Machine {}, fitted to: {}{}\nModel: {}\nA reading scatters by {} rms about the model.\n\n",
         clean(&prediction.machine),
         clean(&prediction.fitted_runs.join(", ")),
@@ -49,4 +50,20 @@ pub fn prediction_text(prediction: &Prediction) -> String {
     }
     out += &paragraph(differences(prediction));
     out + &not_in_band(prediction).map_or(String::new(), |sentence| paragraph(&sentence))
+}
+
+/// Whether the values hold on the runs that they were not fitted to, and what to do where they do not.
+fn verdict(prediction: &Prediction) -> Option<String> {
+    let others: Vec<&RunPrediction> = prediction.runs.iter().filter(|run| !run.was_fitted).collect();
+    let not_held = others.iter().filter(|run| !run.holds());
+    let names: Vec<String> = not_held.map(|run| clean(&run.run)).collect();
+    match names.is_empty() {
+        _ if others.is_empty() => None,
+        true => Some("The values hold: they predict these runs.".into()),
+        false => Some(format!(
+            "The values do not hold for {}. Ask what changed: trunnion history with the runs of this machine, or identify the new run alone \
+             and compare the values.",
+            names.join(", ")
+        )),
+    }
 }

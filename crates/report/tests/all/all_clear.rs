@@ -1,7 +1,10 @@
 //! An answer says what it leaves open: what comes back next to an all-clear, what a band does not hold.
 
 use trunnion_report::{correction_text, diagnosis_text, prediction_text};
-use trunnion_results::{Comparison, Correction, Diagnosis, LearnedNoise, Prediction, Taken, Verdict};
+use trunnion_results::{
+    Comparison, Correction, CorrectionValues, Diagnosis, LearnedNoise, Prediction, RunPrediction, Taken,
+    Verdict,
+};
 
 fn on_one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -39,4 +42,40 @@ fn a_band_says_what_it_does_not_hold() {
     let said = of(vec![one]);
     assert!(said.contains("taken as: EX0B = 1.50 µm. The 95 % band does not hold"), "{said}");
     assert!(!of(Vec::new()).contains("does not hold what other values"));
+}
+
+#[test]
+fn a_prediction_says_whether_the_values_hold() {
+    let run = |name: &str, inside_95_fraction, was_fitted| RunPrediction {
+        run: name.into(),
+        inside_95_fraction,
+        was_fitted,
+        ..RunPrediction::default()
+    };
+    let of = |runs: Vec<RunPrediction>| {
+        on_one_line(&prediction_text(&Prediction { runs, ..Prediction::default() }))
+    };
+    assert!(of(vec![run("tuesday", 0.96, false)]).starts_with("The values hold"));
+    let said = of(vec![run("monday", 0.2, true), run("tuesday", 0.96, false), run("after", 0.05, false)]);
+    assert!(
+        said.starts_with("The values do not hold for after. Ask what changed: trunnion history"),
+        "{said}"
+    );
+    assert!(
+        !of(vec![run("monday", 0.96, true)]).contains("values hold"),
+        "of what was fitted nothing is predicted"
+    );
+}
+
+#[test]
+fn tables_of_errors_are_not_called_corrections() {
+    let of = |control: &str, values| {
+        let answer = Correction { control: control.into(), values, ..Correction::default() };
+        on_one_line(&correction_text(&answer))
+    };
+    let errors = of("csv", CorrectionValues::Error);
+    assert!(errors.contains("holds the errors of") && errors.contains("must apply the opposite"), "{errors}");
+    for text in [of("csv", CorrectionValues::Correction), of("siemens", CorrectionValues::Error)] {
+        assert!(text.contains("holds the corrections of") && !text.contains("opposite"), "{text}");
+    }
 }

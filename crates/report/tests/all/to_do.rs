@@ -103,6 +103,7 @@ fn errors_are_entered_only_where_the_model_explains_the_readings_and_an_error_is
     assert!(to_do(verdict(Verdict::NoiseFloor), seen())[0].starts_with(ENTER));
     let small = Correctable { small: vec!["EX0C".into()], ..Correctable::default() };
     let confounded = Correctable { confounded: vec![combination()], ..Correctable::default() };
+    let at_rest = Correctable { at_rest: vec!["EX0C".into(), "EB0C".into()], ..Correctable::default() };
     let legs = Correctable::nothing("controls move legs in parallel by tables that are not public");
     let measured = |noise_um| Residual {
         rms_um: 0.35,
@@ -123,6 +124,11 @@ fn errors_are_entered_only_where_the_model_explains_the_readings_and_an_error_is
         ),
         (verdict(Verdict::NoiseFloor), small, "Enter nothing into the control: no error of an axis"),
         (verdict(Verdict::NoiseFloor), confounded, "Enter nothing into the control yet"),
+        (
+            verdict(Verdict::NoiseFloor),
+            at_rest,
+            "Enter nothing into the control yet: EX0C, EB0C hold what an axis at rest",
+        ),
         (verdict(Verdict::NoiseFloor), legs, "Enter nothing into the control: controls move legs"),
         (verdict(Verdict::Undecided), seen(), "Change nothing"),
         (verdict(Verdict::NotJudged), seen(), "Change nothing"),

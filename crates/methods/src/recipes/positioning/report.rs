@@ -1,7 +1,10 @@
 //! The values of ISO 230-2, a table of the targets, and their chart.
 
 use super::targets::{Approaches, Target, Trace, Traces};
-use crate::findings::{AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot};
+use crate::findings::ValueKind::{Error, Part, Summary};
+use crate::findings::{
+    AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot, ValueKind,
+};
 use crate::recipes::{Convention, Method};
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::Run;
@@ -64,10 +67,10 @@ fn one_sided_note(trace: &Trace) -> Option<String> {
 
 fn values(trace: &Trace) -> Vec<FoundValue> {
     let mut values = Vec::new();
-    let mut value = |name: &str, known: Option<Known>, note: &str| {
+    let mut value = |name: &str, known: Option<Known>, kind: ValueKind, note: &str| {
         if let Some((value, variance)) = known {
             let name = format!("{} {name}", trace.name);
-            values.push(FoundValue::new(name, value, Unit::UM, Some(variance.sqrt())).note(note));
+            values.push(FoundValue::new(name, value, Unit::UM, Some(variance.sqrt())).kind(kind).note(note));
         }
     };
     let of_way = |way: usize| -> Vec<Approaches> {
@@ -79,26 +82,29 @@ fn values(trace: &Trace) -> Vec<FoundValue> {
     if two_sided {
         let reversals: Vec<Known> = trace.targets.iter().filter_map(reversal).collect();
         let largest = reversals.iter().copied().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-        value("A", range(&both, 2.0), "accuracy, both directions");
+        value("A", range(&both, 2.0), Summary, "accuracy, both directions");
         value(
             "R",
             largest_of(trace.targets.iter().filter_map(repeatability)),
+            Summary,
             "repeatability, both directions",
         );
-        value("E", range(&both, 0.0), "systematic deviation, both directions");
-        value("M", means_range(&trace.targets), "range of the mean deviations of both directions");
-        value("B", largest.map(|(b, variance)| (b.abs(), variance)), "largest reversal value, without sign");
+        value("E", range(&both, 0.0), Summary, "systematic deviation, both directions");
+        value("M", means_range(&trace.targets), Summary, "range of the mean deviations of both directions");
+        let size = largest.map(|(b, variance)| (b.abs(), variance));
+        value("B", size, Summary, "largest reversal value, without sign");
         let count = reversals.len().max(1) as f64;
         let mean =
             reversals.iter().fold((0.0, 0.0), |sum, b| (sum.0 + b.0 / count, sum.1 + b.1 / count.powi(2)));
-        value("mean reversal", Some(mean), "mean of x̄↑ − x̄↓: negative where the axis stops short");
+        value("mean reversal", Some(mean), Error, "mean of x̄↑ − x̄↓: negative where the axis stops short");
     }
     for (way, arrow) in [&up, &down].into_iter().zip(WAYS).filter(|(way, _)| !way.is_empty()) {
         let alone = |what: &str| format!("{what}, {arrow} alone");
+        let kind = if two_sided { Part } else { Summary };
         let own = way.iter().map(|a| (4.0 * a.s, 16.0 * a.s_variance()));
-        value(&format!("A{arrow}"), range(way, 2.0), &alone("accuracy"));
-        value(&format!("R{arrow}"), largest_of(own), &alone("repeatability"));
-        value(&format!("E{arrow}"), range(way, 0.0), &alone("systematic deviation"));
+        value(&format!("A{arrow}"), range(way, 2.0), kind, &alone("accuracy"));
+        value(&format!("R{arrow}"), largest_of(own), kind, &alone("repeatability"));
+        value(&format!("E{arrow}"), range(way, 0.0), kind, &alone("systematic deviation"));
     }
     values
 }
