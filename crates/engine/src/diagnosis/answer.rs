@@ -1,16 +1,18 @@
 //! From scans to the answer: candidates in order, what each would do, what it could be mistaken for, the verdict.
 
+mod remains;
+
 use crate::diagnosis::constancy::is_constant;
 use crate::diagnosis::families::Number;
 use crate::diagnosis::judged::{OpenEffect, Verdict};
 use crate::diagnosis::judgement::{
     is_noise_unknown, more_than_noise, noise_sizes, nothing_claimed, noticeable_um, open_effects,
-    remainder_is_natural, units_differ,
+    units_differ,
 };
 use crate::diagnosis::kept::{Kept, Refits};
 use crate::diagnosis::options::{DiagnoseError, Options};
 use crate::diagnosis::refits::{Explained, Refit, Unfitted};
-use crate::diagnosis::rivals::{CONFUSED_LN, confused_with};
+use crate::diagnosis::rivals::confused_with;
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::{Found, search};
 use crate::diagnosis::verdict::{
@@ -276,39 +278,6 @@ impl Context<'_> {
         (parameters, waves)
     }
 
-    /// Nothing structured remains with this item alone: it is all that was found, or fits as well as all that was found.
-    fn adequate(&self, item: &Item) -> bool {
-        let all_found = match &self.found.items[..] {
-            [only] => only.what == item.what,
-            _ => false,
-        };
-        let like_all_found = || {
-            let readings = self.scan.remainder.y.len() as f64;
-            readings * (self.scan.left(&item.columns) / self.floor_mm).ln() < CONFUSED_LN
-        };
-        // A second shape is no part of a model with it.
-        self.found.further.ncols() == 0 && self.is_all() && (all_found || like_all_found())
-    }
-
-    /// Nothing structured remains with all that was found, and all of it has names.
-    fn is_all(&self) -> bool {
-        self.is_more().is_empty()
-    }
-
-    /// Why there is more than all that was found and has a name.
-    fn is_more(&self) -> Vec<&'static str> {
-        let asked = [
-            (!self.found.complete, "more is significant in it, which was not named"),
-            (self.found.items.iter().any(Item::is_open), "a part of it has no name in the catalogue"),
-            (!self.is_constant, "one of these effects changes with time or place by more than chance"),
-            (
-                !remainder_is_natural(self.scan, self.problem.fit(), self.found),
-                "at the stops of the axes something comes back that bearings, encoders and gears do not explain",
-            ),
-        ];
-        asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why).collect()
-    }
-
     /// What everything found does in one model. Further shapes are no part of it: the model has an effect once.
     fn together(&self, refit: &Refit, explained: &Explained) -> Together {
         let explains_all = self.what_is_left(refit).is_empty();
@@ -320,43 +289,6 @@ impl Context<'_> {
             explains_all,
             adequate: explains_all && !self.is_of_another_cause(refit),
         }
-    }
-
-    /// Whether another cause may be behind one of several effects.
-    fn is_of_another_cause(&self, refit: &Refit) -> bool {
-        self.found.items.len() > 1 && refit.is_of_another_cause(self.problem)
-    }
-
-    /// Why a part is left with all that was found.
-    fn what_is_left(&self, refit: &Refit) -> Vec<&'static str> {
-        let asked = [
-            (
-                // The remark on a single one has the figures.
-                self.found.items.len() > 1 && units_differ(refit.fit()).is_some(),
-                "passes or setups that the fit leaves out are predicted worse than visits of one pose differ by",
-            ),
-            (
-                self.found.further.ncols() > 0,
-                "one of these effects is needed with a second shape, and a model holds one",
-            ),
-        ];
-        let of_fit = asked.into_iter().filter(|(holds, _)| *holds).map(|(_, why)| why);
-        let noise = more_than_noise(self.problem.fit(), refit.rms_mm());
-        noise.into_iter().chain(of_fit).chain(self.is_more()).collect()
-    }
-
-    /// Why what was found is not adequate, and what to do; none where it is.
-    fn what_remains(&self, refit: &Refit) -> Option<String> {
-        let of_another_cause = self.is_of_another_cause(refit).then_some(
-            "an axis goes one way while time goes on, and an error along it reads the same as one of these effects",
-        );
-        let reasons: Vec<&str> = self.what_is_left(refit).into_iter().chain(of_another_cause).collect();
-        (!reasons.is_empty()).then(|| {
-            format!(
-                "What was found is not adequate: {}. Add it to the model, then diagnose again.",
-                reasons.join("; ")
-            )
-        })
     }
 
     /// What was kept without a name, the strongest first; several components of one site are one proposal.
