@@ -97,24 +97,30 @@ pub fn check_text(check: &Check) -> String {
         head + &complete(&check.complete).iter().map(|sentence| paragraph(sentence)).collect::<String>();
     let head = head + &set_apart(&doubts_of(&check.doubts));
     match check.plausibility.is_empty() {
-        true if check.points < FEWEST_POINTS => {
-            let few = format!(
-                "The positions are possible. The readings were not asked: that needs {FEWEST_POINTS} points or more."
-            );
-            head + &paragraph(&few)
-        }
-        true if !check.not_asked.is_empty() => {
-            let names = clean(&check.not_asked.join(", "));
-            let part = format!(
-                "No mistake was found in readings and times. Whether the axes were at their positions was not asked: {names} keeps no known distance."
-            );
-            head + &paragraph(&part)
-        }
-        true if !check.doubts.is_empty() => {
-            head + "No other mistake was found in positions, readings and times.\n"
-        }
-        true => head + "Positions, readings and times fit together: no mistake was found.\n",
+        true => head + &nothing_found(check),
         false => head + &set_apart(&implausible(&check.plausibility)),
+    }
+}
+
+/// Where no mistake keeps the runs from being judged. What is doubted stands above: it goes on from there.
+fn nothing_found(check: &Check) -> String {
+    let none = if check.doubts.is_empty() { "No mistake" } else { "No other mistake" };
+    let names = clean(&check.not_asked.join(", "));
+    match (check.points < FEWEST_POINTS, check.not_asked.is_empty()) {
+        (true, true) => paragraph(&format!(
+            "The positions are possible. The readings were not asked: that needs {FEWEST_POINTS} points or more."
+        )),
+        (true, false) => paragraph(&format!(
+            "The readings were not asked: that needs {FEWEST_POINTS} points or more. Whether the axes were at their positions was not asked \
+             either: {names} keeps no known distance."
+        )),
+        (false, false) => paragraph(&format!(
+            "{none} was found in readings and times. Whether the axes were at their positions was not asked: {names} keeps no known distance."
+        )),
+        (false, true) if check.doubts.is_empty() => {
+            "Positions, readings and times fit together: no mistake was found.\n".into()
+        }
+        (false, true) => format!("{none} was found in positions, readings and times.\n"),
     }
 }
 
