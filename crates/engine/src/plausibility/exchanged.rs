@@ -38,6 +38,13 @@ const AS_GOOD: f64 = 1.25;
 /// Rows by which readings may be late; more are another measurement.
 const MOST_ROWS_LATE: usize = 5;
 
+/// What to do about a mistake that is undone in the file.
+const CHANGE: &str = "Change it?";
+/// And about rows of another state of the machine, which are right as they are.
+const APART: &str = "Change none of these rows: take them out and import them as a run of their own, or measure the cycle again in one state.";
+/// And about readings that did not wait for the probes: the settled ones are nowhere in the file.
+const DWELL: &str = "Measure again with a longer dwell.";
+
 /// The mistake with which readings and positions belong together.
 pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     let Looked { run, experiment, model, .. } = looked;
@@ -50,8 +57,9 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     }
     let trial = Trial { looked, run, experiment, model };
     let tried = trial.all(before_um >= GROSS_UM);
-    let least_mm = tried.iter().map(|(_, left_mm)| *left_mm).fold(f64::INFINITY, f64::min);
-    let (mistake, left_mm) = tried.into_iter().find(|(_, left_mm)| *left_mm <= AS_GOOD * least_mm)?;
+    let least_mm = tried.iter().map(|((_, left_mm), _)| *left_mm).fold(f64::INFINITY, f64::min);
+    let ((mistake, left_mm), to_do) =
+        tried.into_iter().find(|((_, left_mm), _)| *left_mm <= AS_GOOD * least_mm)?;
     let left_um = um_from_mm(left_mm);
     let is_believed = BELIEVED * left_um < before_um && trial.of_an_axis_mm() > AS_GOOD * left_mm;
     is_believed.then(|| {
@@ -67,7 +75,7 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
             (Some((mirror, told_apart)), _) => {
                 format!("With {mistake}, or {mirror}, {left_um:.1} µm are left. {told_apart}")
             }
-            (None, _) => format!("With {mistake}, {left_um:.1} µm are left. Change it?"),
+            (None, _) => format!("With {mistake}, {left_um:.1} µm are left. {to_do}"),
         };
         Implausible {
             finding: format!(
@@ -106,75 +114,88 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// Every mistake, the simpler ones first; of all readings, then, where asked for, of those of one setup or part.
-    fn all(&self, of_setups: bool) -> Vec<Tried> {
+    /// Every mistake with what to do, the simpler ones first; of all readings, then, where asked for, of those of one setup or part.
+    fn all(&self, of_setups: bool) -> Vec<(Tried, &'static str)> {
         let setups = &self.run.setups;
         let has_three = setups.iter().all(|setup| setup.instrument.components().len() == 3);
-        let each: Vec<usize> =
-            if of_setups && setups.len() > 1 { (0..setups.len()).collect() } else { Vec::new() };
+        let is_static = self.run.kind == RunKind::Static;
+        let mut tried: Vec<(Tried, &str)> = Vec::new();
+        let mut add = |to_do, all: Vec<Tried>| tried.extend(all.into_iter().map(|one| (one, to_do)));
+        if has_three {
+            add(CHANGE, self.of_ways());
+        }
+        if is_static {
+            add(CHANGE, self.shifted(None));
+        }
+        if is_static && has_three {
+            add(CHANGE, self.of_probes_late());
+            add(DWELL, self.unsettled().into_iter().collect());
+            add(CHANGE, vec![self.added_up()]);
+        }
+        if has_three {
+            add(CHANGE, self.absolute());
+            add(CHANGE, self.unsigned(None).into_iter().collect());
+            add(CHANGE, self.other_side(None).into_iter().collect());
+            add(CHANGE, self.probes_scaled());
+            add(CHANGE, self.turned(None));
+            add(CHANGE, self.inclined());
+            add(CHANGE, self.turning());
+        }
+        if of_setups && setups.len() > 1 {
+            (0..setups.len()).for_each(|setup| add(CHANGE, self.of_setup(setup, has_three)));
+        }
+        if has_three {
+            add(CHANGE, self.changed_at_a_point());
+            add(CHANGE, self.late_between_points());
+        }
+        // What a correction leaves of a lean of the tool differs with the length of the tool, so with the setup.
+        if has_three && of_setups {
+            add(APART, self.of_parts());
+        }
+        // One channel says too little of an order.
+        if has_three {
+            add(CHANGE, self.reordered().into_iter().collect());
+        }
+        tried
+    }
+
+    /// Signs of probes and inputs of all readings.
+    fn of_ways(&self) -> Vec<Tried> {
+        let ways = ways();
+        let first = ways.iter().filter(|way| way.is_first_of_two());
+        first.map(|way| (way.words_of_all(), self.changed_mm(None, |reading| way.apply(reading)))).collect()
+    }
+
+    /// Each probe alone one row late or early.
+    fn of_probes_late(&self) -> Vec<Tried> {
+        let probes = PROBES.iter().enumerate();
+        probes
+            .flat_map(|(probe, name)| self.late(None, &format!("the readings {name}"), &[probe], 1))
+            .collect()
+    }
+
+    /// In one setup, and with one before it.
+    fn of_setup(&self, setup: usize, has_three: bool) -> Vec<Tried> {
+        let name = &self.run.setups[setup].name;
+        let of = |(words, left_mm): Tried| (format!("{words} (setup {name} alone)"), left_mm);
         let mut tried = Vec::new();
         if has_three {
             tried.extend(
                 ways()
                     .iter()
-                    .filter(|way| way.is_first_of_two())
-                    .map(|way| (way.words_of_all(), self.changed_mm(None, |reading| way.apply(reading)))),
+                    .map(|way| of((way.words(), self.changed_mm(Some(setup), |reading| way.apply(reading))))),
             );
         }
         if self.run.kind == RunKind::Static {
-            tried.extend(self.shifted(None));
-        }
-        if self.run.kind == RunKind::Static && has_three {
-            tried.extend(
-                PROBES
-                    .iter()
-                    .enumerate()
-                    .flat_map(|(probe, name)| self.late(None, &format!("the readings {name}"), &[probe], 1)),
-            );
-        }
-        if self.run.kind == RunKind::Static && has_three {
-            tried.extend(self.unsettled());
-            tried.push(self.added_up());
+            tried.extend(self.shifted(Some(setup)).into_iter().map(of));
         }
         if has_three {
-            tried.extend(self.absolute());
-            tried.extend(self.unsigned(None));
-            tried.extend(self.other_side(None));
-            tried.extend(self.probes_scaled());
-            tried.extend(self.turned(None));
-            tried.extend(self.inclined());
-            tried.extend(self.turning());
+            tried.extend(self.other_side(Some(setup)).map(of));
+            tried.extend(self.setup_scaled(setup));
+            tried.extend(self.unsigned(Some(setup)).map(of));
+            tried.extend(self.turned(Some(setup)).into_iter().map(of));
         }
-        for setup in each {
-            let of = |words: String| format!("{words} (setup {} alone)", setups[setup].name);
-            if has_three {
-                tried.extend(ways().iter().map(|way| {
-                    (of(way.words()), self.changed_mm(Some(setup), |reading| way.apply(reading)))
-                }));
-            }
-            if self.run.kind == RunKind::Static {
-                tried.extend(self.shifted(Some(setup)).into_iter().map(|(words, left)| (of(words), left)));
-            }
-            if has_three {
-                tried.extend(self.other_side(Some(setup)).map(|(words, left)| (of(words), left)));
-                tried.extend(self.setup_scaled(setup));
-                tried.extend(self.unsigned(Some(setup)).map(|(words, left)| (of(words), left)));
-                tried.extend(self.turned(Some(setup)).into_iter().map(|(words, left)| (of(words), left)));
-            }
-            tried.extend((0..setup).filter_map(|other| self.of_setups_exchanged(other, setup)));
-        }
-        if has_three {
-            tried.extend(self.changed_at_a_point());
-            tried.extend(self.late_between_points());
-        }
-        // What a correction leaves of a lean of the tool differs with the length of the tool, so with the setup.
-        if has_three && of_setups {
-            tried.extend(self.of_parts());
-        }
-        // One channel says too little of an order.
-        if has_three {
-            tried.extend(self.reordered());
-        }
+        tried.extend((0..setup).filter_map(|other| self.of_setups_exchanged(other, setup)));
         tried
     }
 

@@ -212,7 +212,9 @@ fn said(run: &trunnion::Experiment) -> String {
 
 /// A row of the table: named where the mistake that was found is one to be undone.
 fn row(mistake: &str, said: &str) -> String {
-    let is_named = ["Change it?", "change what differs"].iter().any(|words| said.contains(words));
+    let to_do =
+        ["Change it?", "change what differs", "import them as a run of their own", "with a longer dwell"];
+    let is_named = to_do.iter().any(|words| said.contains(words));
     let becomes = if is_named { "named" } else { "doubted" };
     format!("| {mistake} | {becomes} | {} |\n", said.replace('|', "/").replace('\n', " "))
 }

@@ -69,12 +69,20 @@ pub const BLOCKS: [ProbeMistake; 7] = [
         "a correction switched on within a pass",
         NOTHING,
         |f| f.corrected(200..f.rows.len()),
-        &["other location errors from 60 % of the points on", "a correction was switched on or off"],
+        &[
+            "other location errors from 60 % of the points on",
+            "a correction was switched on or off",
+            "import them as a run of their own",
+        ],
     ),
     (
         "a correction on in one pass alone",
         NOTHING,
         |f| f.corrected(168..252),
-        &["other location errors from 50 % to 75 % of the points", "a correction was switched on or off"],
+        &[
+            "other location errors from 50 % to 75 % of the points",
+            "a correction was switched on or off",
+            "import them as a run of their own",
+        ],
     ),
 ];

@@ -173,7 +173,11 @@ pub const ROWS: [ProbeMistake; 18] = [
         "a setup of another day",
         GRAVITY,
         |f| f.rows_of_another_day(),
-        &["other location errors from 50 %", "another day or another machine"],
+        &[
+            "other location errors from 50 %",
+            "another day or another machine",
+            "import them as a run of their own",
+        ],
     ),
     (
         "a second file behind the first",
@@ -182,7 +186,11 @@ pub const ROWS: [ProbeMistake; 18] = [
             let other = Files::committed(NOTHING);
             f.rows.extend(other.rows);
         },
-        &["other location errors from 50 %", "another day or another machine"],
+        &[
+            "other location errors from 50 %",
+            "another day or another machine",
+            "import them as a run of their own",
+        ],
     ),
     (
         "absolute values of every probe",
