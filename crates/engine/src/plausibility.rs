@@ -35,11 +35,11 @@ mod ways;
 pub use clock::{ClockDoubt, clock_doubt};
 pub use found::Implausible;
 pub use readings::FEWEST_POINTS;
-pub use rounded::Rounded;
-pub use rounded::lengths::rounded_lengths;
 pub use rounded::positions::PositionDigits;
+pub use rounded::{Rounded, What as RoundedWhat};
 pub use together::{Unlike, unlike};
 
+use rounded::lengths::rounded_lengths;
 use trunnion_core::InstrumentKind;
 use trunnion_cycles::Run;
 
@@ -59,8 +59,22 @@ pub fn not_asked(runs: &[Run]) -> Vec<&'static str> {
     names
 }
 
+/// What is asked of runs before they are judged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// Everything that is not plausible, the gravest first; empty for good runs.
+    pub implausible: Vec<Implausible>,
+    /// Lengths that were rounded, and so little that the runs are still judged.
+    pub rounded: Vec<Rounded>,
+}
+
 /// Everything about these runs that is not plausible, the gravest first; empty for good runs.
 pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
+    asked(runs).implausible
+}
+
+/// The same, and what is only to be doubted.
+pub fn asked(runs: &[Run]) -> Asked {
     let positions = positions::implausible(runs);
     let channels = channels::implausible(runs);
     let travel = if positions.is_empty() { travel::implausible(runs) } else { Vec::new() };
@@ -81,13 +95,14 @@ pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let belong = belong && readings.is_empty() && order.is_empty();
     let ways = if belong { runs.iter().flat_map(ways::not_filled_in).collect() } else { Vec::new() };
     let temperatures = temperatures::implausible(runs);
-    let rounded = runs.iter().filter_map(rounded_lengths).filter(Rounded::is_gross);
-    let rounded = if travel.is_empty() { rounded.map(|one| one.implausible()).collect() } else { Vec::new() };
-    [
+    let lengths =
+        if travel.is_empty() { runs.iter().filter_map(rounded_lengths).collect() } else { Vec::new() };
+    let (gross, rounded): (Vec<Rounded>, Vec<Rounded>) = lengths.into_iter().partition(Rounded::is_gross);
+    let implausible = [
         positions,
         travel,
         lost,
-        rounded,
+        gross.iter().map(Rounded::implausible).collect(),
         channels,
         sizes,
         temperatures,
@@ -96,5 +111,6 @@ pub fn implausible(runs: &[Run]) -> Vec<Implausible> {
         order,
         ways,
     ]
-    .concat()
+    .concat();
+    Asked { implausible, rounded }
 }

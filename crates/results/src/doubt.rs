@@ -51,6 +51,24 @@ pub enum DoubtReason {
     UnlikeRuns,
 }
 
+impl DoubtReason {
+    /// Every reason.
+    pub const ALL: [Self; 12] = [
+        Self::Collinear,
+        Self::BeyondPhysical,
+        Self::LongerThanRun,
+        Self::TermsNotSeparated,
+        Self::PlaceAndTime,
+        Self::OneDirection,
+        Self::Scatter,
+        Self::Clock,
+        Self::Rounded,
+        Self::LoneReadings,
+        Self::OtherMachine,
+        Self::UnlikeRuns,
+    ];
+}
+
 impl Doubt {
     /// About a run of which `lone` of `all` points were excluded; `most`: where most of them lie.
     pub fn lone_readings(run: &str, [lone, all]: [u64; 2], most: Option<String>) -> Self {
@@ -92,7 +110,7 @@ impl Doubt {
 
     /// About numbers that were rounded.
     pub fn rounded(rounded: &Rounded) -> Self {
-        let words = format!("{} {}", rounded.finding, rounded.advice());
+        let words = format!("{} {}", rounded.finding(), rounded.advice());
         Self { effect: None, names: Vec::new(), reason: DoubtReason::Rounded, words }
     }
 }

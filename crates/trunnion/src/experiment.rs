@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 use trunnion_core::Point;
 use trunnion_cycles::Run;
 use trunnion_engine::ExperimentError;
-use trunnion_engine::plausibility::{Implausible, implausible, not_asked, unlike};
+use trunnion_engine::plausibility::{Asked, Implausible, asked, not_asked, unlike};
 use trunnion_machine::{Machine, NamePlate};
 use trunnion_results as results;
 use trunnion_sync::blocks::Limits;
@@ -29,7 +29,7 @@ struct Opened {
     files: Vec<OfFile>,
     /// What only the points as they were read show.
     read: Vec<Implausible>,
-    implausible: OnceLock<Vec<Implausible>>,
+    asked: OnceLock<Asked>,
     unlike: OnceLock<Vec<results::Doubt>>,
     complete: results::Complete,
     not_whole: Option<results::Plausibility>,
@@ -114,9 +114,8 @@ impl Experiment {
         let points = trunnion_engine::Experiment::new(&runs)
             .map_err(|none| nothing_left(none, &files))?
             .of_means(&readings);
-        let (implausible, unlike) = (OnceLock::new(), OnceLock::new());
-        let opened =
-            Opened { runs, plate, points, files, read, implausible, unlike, complete, not_whole, doubts };
+        let (asked, unlike) = (OnceLock::new(), OnceLock::new());
+        let opened = Opened { runs, plate, points, files, read, asked, unlike, complete, not_whole, doubts };
         Ok(Self { opened: Arc::new(opened) })
     }
 
@@ -153,9 +152,12 @@ impl Experiment {
     /// Why the runs cannot be judged: what no machine can do, the gravest first, and a part of the cycle that is missing; empty
     /// for good runs.
     pub fn plausibility(&self) -> Vec<results::Plausibility> {
-        let found = self.opened.implausible.get_or_init(|| implausible(&self.opened.runs));
-        let found = found.iter().chain(&self.opened.read);
+        let found = self.asked().implausible.iter().chain(&self.opened.read);
         found.map(results::Plausibility::from).chain(self.opened.not_whole.clone()).collect()
+    }
+
+    fn asked(&self) -> &Asked {
+        self.opened.asked.get_or_init(|| asked(&self.opened.runs))
     }
 
     /// What is planned, read, missing and excluded.
@@ -170,7 +172,8 @@ impl Experiment {
             false => Vec::new(),
         };
         let of_runs = self.opened.unlike.get_or_init(of_runs);
-        self.opened.doubts.iter().chain(of_runs).cloned().collect()
+        let rounded: Vec<_> = self.asked().rounded.iter().map(results::Doubt::rounded).collect();
+        self.opened.doubts.iter().chain(&rounded).chain(of_runs).cloned().collect()
     }
 
     /// Can these runs be what they say they are: `trunnion-check/1`.

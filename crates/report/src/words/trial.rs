@@ -1,8 +1,8 @@
 //! What a trial of an effect comes to, in sentences.
 
-use super::{doubts, effect_name, left_out};
 use crate::number::{um, um_or_dash};
 use std::iter::once;
+use trunnion_results::sentences::{doubts, effect_name, left_out};
 use trunnion_results::{Then, Trial, Verdict};
 
 /// How the readings judge a trial, on data that took no part in the fit, and what to doubt in the fit with it.

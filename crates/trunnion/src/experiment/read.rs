@@ -7,7 +7,7 @@ use crate::{Error, completeness, files, page};
 use std::path::{Path, PathBuf};
 use trunnion_core::Gap;
 use trunnion_cycles::Run;
-use trunnion_engine::plausibility::{Implausible, PositionDigits, Rounded, clock_doubt, rounded_lengths};
+use trunnion_engine::plausibility::{Implausible, PositionDigits, Rounded, clock_doubt};
 use trunnion_machine::NamePlate;
 use trunnion_record::Damage;
 use trunnion_results as results;
@@ -166,8 +166,7 @@ impl Runs {
         self.doubts.extend(clock_doubt(&run).map(|doubt| results::Doubt::clock(&run.name, &doubt)));
         let (gross, small): (Vec<Rounded>, Vec<Rounded>) = rounded.into_iter().partition(Rounded::is_gross);
         self.implausible.extend(gross.iter().map(Rounded::implausible));
-        let lengths = rounded_lengths(&run).filter(|lengths| !lengths.is_gross());
-        self.doubts.extend(small.iter().chain(&lengths).map(results::Doubt::rounded));
+        self.doubts.extend(small.iter().map(results::Doubt::rounded));
         self.runs.push(run);
         self.readings.push(if points > 0.0 { readings / points } else { 1.0 });
         self.planned.push(planned);

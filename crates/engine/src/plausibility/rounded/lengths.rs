@@ -4,6 +4,7 @@
 //! a place, which looks like a wave of the axis.
 
 use super::{FINEST_UM, PART_OF_NOISE, Rounded, What};
+use crate::noise::learned::display::nominal_readings_mm;
 use crate::noise::repeatability::repeatability;
 use crate::plausibility::digits::{Digits, significant, significant_step};
 use crate::plausibility::looked::Looked;
@@ -18,7 +19,7 @@ use trunnion_cycles::Run;
 const MOST_DIGITS: i32 = 5;
 
 /// Lengths that were rounded to so much that it is no noise; `None` where they were not, or to too little.
-pub fn rounded_lengths(run: &Run) -> Option<Rounded> {
+pub(in crate::plausibility) fn rounded_lengths(run: &Run) -> Option<Rounded> {
     let reads_lengths = run.setups.iter().all(|setup| {
         setup.instrument.columns().iter().all(|column| matches!(column, ReadingColumn::Length(_)))
     });
@@ -39,19 +40,18 @@ pub fn rounded_lengths(run: &Run) -> Option<Rounded> {
         return None;
     }
     let looked = Looked::at(run)?;
-    let scatter_mm = match repeatability(&looked.experiment, &passes(&looked.experiment)) {
-        Some(repeated) => repeated.sigma_mm,
-        None => looked.model.rms_mm(&looked.experiment.readings_mm()),
-    };
+    // A display of one value a target has the distance of the targets as its step: the model leaves less.
+    let experiment = &looked.experiment;
+    let left_mm = looked.model.rms_mm(&(experiment.readings_mm() - nominal_readings_mm(experiment)));
+    let repeated = repeatability(experiment, &passes(experiment));
+    let scatter_mm = repeated.map_or(left_mm, |repeated| repeated.sigma_mm.min(left_mm));
     let is_pattern = scatter_mm < 0.5 * step_mm && hidden_mm > PART_OF_NOISE * scatter_mm;
+    let scatter_um = um_from_mm(scatter_mm);
     is_pattern.then(|| Rounded {
-        finding: format!(
-            "{}: the readings are given {given}. That adds u = {hidden_um:.1} µm to each, the same at every visit of a place; readings of one pose scatter by {:.2} µm.",
-            run.name,
-            um_from_mm(scatter_mm)
-        ),
+        run: run.name.clone(),
+        given,
         hidden_um,
-        what: What::Lengths,
+        what: What::Lengths { scatter_um },
     })
 }
 

@@ -135,11 +135,8 @@ impl PositionDigits {
             share.abs() + SURE * u < 0.5 && hidden_mm < MOST_OF_POSSIBLE * self.possible_mm(&steps)?;
         let counts = hidden_um > FINEST_UM && hidden_mm > PART_OF_NOISE * noise_mm;
         (is_hidden && counts).then(|| Rounded {
-            finding: format!(
-                "{run}: on the fly the positions are given in steps of {}. From row to row this takes ball and nest {hidden_um:.1} µm rms apart, and the \
-                 readings do not show it.",
-                words(&steps)
-            ),
+            run: run.into(),
+            given: format!("in steps of {}", words(&steps)),
             hidden_um,
             what: What::Positions,
         })
@@ -191,5 +188,5 @@ fn words(steps: &[(Joint, f64)]) -> String {
     }
     let each: Vec<String> =
         groups.iter().map(|(size, joints)| format!("{size} ({})", joints.join(", "))).collect();
-    each.join(" and ")
+    each.join("; ")
 }
