@@ -285,4 +285,25 @@ mod tests {
         let plausibility = vec![implausible.clone(), implausible];
         stand_alone(&check_text(&Check { complete, plausibility, ..Check::default() }), 2);
     }
+
+    /// A doubt is a mistake that was found, also where something was not asked.
+    #[test]
+    fn below_a_doubt_no_other_mistake_was_found() {
+        let doubt = Doubt::other_machine(["table-bc", "table-ac"]);
+        for not_asked in [vec![], vec!["laser-tracker".to_string()]] {
+            for (doubts, says) in [(vec![], false), (vec![doubt.clone()], true)] {
+                let text = check_text(&Check {
+                    points: 40,
+                    doubts,
+                    not_asked: not_asked.clone(),
+                    ..Check::default()
+                });
+                assert_eq!(text.contains("No other mistake was found"), says, "{text}");
+                assert!(!says || !text.to_lowercase().contains("no mistake"), "{text}");
+            }
+        }
+        let few =
+            check_text(&Check { not_asked: vec!["laser-tracker".into()], points: 3, ..Check::default() });
+        assert!(!few.contains("positions are possible") && few.contains("not asked either"), "{few}");
+    }
 }

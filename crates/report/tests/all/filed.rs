@@ -138,52 +138,6 @@ fn no_label_of_a_report_stays_english() {
 }
 
 #[test]
-fn doubts_and_places_of_a_report_are_of_one_language() {
-    use trunnion_core::axis::iso::C;
-    use trunnion_engine::fit::doubts::{Doubt as Found, DoubtReason as Why};
-    let limit = trunnion_effects::Limit {
-        largest: 50.0,
-        beyond: "no material expands so much on a machine of this size; the \
-        temperatures do not show what warms: sensors that rise together, or none at the source",
-        resembles: false,
-    };
-    let reasons = [
-        Why::Collinear { condition_index: 41.0 },
-        Why::BeyondPhysical { limit, unit: trunnion_effects::Unit::UM },
-        Why::LongerThanRun { tau_s: 5046.0, longest_s: 1682.0 },
-        Why::TermsNotSeparated { value: 186.0, u: 86.0, unit: trunnion_effects::Unit::S },
-        Why::PlaceAndTime { joint: C },
-        Why::OneDirection { joint: C, stated: 1.0, contrary: [3, 40] },
-        Why::Scatter { noise_um: 4.0 },
-    ];
-    let found = |reason| Found { effect: None, names: vec!["a".into(), "b".into()], reason };
-    let lone = |most| Doubt::lone_readings("day", [7, 90], most);
-    let doubts = reasons.map(|reason| Doubt::from(&found(reason))).into_iter();
-    let unlike = trunnion_engine::plausibility::Unlike {
-        runs: ["monday".into(), "tuesday".into()],
-        count: 8,
-        differ_um: 19.8,
-        most: "EZ0B".into(),
-        shown: ["−30.8 µm".into(), "+11.3 µm".into()],
-    };
-    let doubts =
-        doubts.chain([lone(None), lone(Some("setup low, component x".into())), Doubt::unlike_runs(&unlike)]);
-    let said = doubts.map(|doubt| format!("Doubt: {}", doubt.words));
-    let places = [
-        "table Y, C at 150°, both directions, both setups:",
-        "X, Y at 100 mm, setup low:",
-        "low: r-test, ball at 150 0 60 mm",
-    ];
-    for text in said.chain(places.map(String::from)) {
-        for language in [Language::German, Language::Japanese] {
-            let said = language.say(&text).unwrap_or_else(|| panic!("no entry in language/table.rs: {text}"));
-            let english = [" the ", " is ", " at ", " of ", " than ", "table ", "both ", "only "];
-            assert!(english.iter().all(|word| !said.contains(word)), "{said}");
-        }
-    }
-}
-
-#[test]
 fn a_number_to_doubt_is_doubted_on_the_first_page() {
     let mut report = report();
     let words = "ambient.z exceeds 50 µm/K: no part of a machine moves as much.".into();

@@ -4,6 +4,7 @@
 
 mod all_clear;
 mod compensation_formats;
+mod doubts;
 mod filed;
 mod pages;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
