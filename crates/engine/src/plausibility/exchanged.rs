@@ -8,6 +8,7 @@ mod parts;
 mod physics;
 mod reordered;
 mod scaled;
+pub(super) mod small;
 mod turned;
 mod turning;
 mod unsettled;
@@ -17,6 +18,7 @@ use super::fitted::{Fitted, Tried};
 use super::found::Implausible;
 use super::looked::Looked;
 use crate::Experiment;
+use crate::fit::identification::Repeatability;
 use crate::noise::repeatability::repeatability;
 use crate::problem::passes::passes;
 use axes::{PROBES, ways};
@@ -35,6 +37,8 @@ const GROSS_REPEATABILITIES: f64 = 5.0;
 /// What leaves no more than this times the least explains as much: the simpler mistake, tried first, is named. A free angle takes up a
 /// little of every effect.
 const AS_GOOD: f64 = 1.25;
+/// Standard deviations by which what is left may exceed what readings repeat within.
+const SURE: f64 = 3.0;
 /// Rows by which readings may be late; more are another measurement.
 const MOST_ROWS_LATE: usize = 5;
 
@@ -86,6 +90,13 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
             rms_um_with_it: Some(left_um),
         }
     })
+}
+
+/// Whether what is left is no more than readings repeat: it exceeds that by no more than so many standard deviations of it.
+fn fits(repeated: &Repeatability, left_mm: f64) -> bool {
+    // The variance of so many repeats has the relative standard deviation √(2/ν) [normal distribution].
+    let chance = SURE * (2.0 / repeated.degrees_of_freedom.max(1) as f64).sqrt();
+    left_mm.powi(2) <= repeated.sigma_mm.powi(2) * (1.0 + chance)
 }
 
 /// Scatter of the readings of each channel of a setup about their mean, rms, µm.

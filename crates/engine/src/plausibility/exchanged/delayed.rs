@@ -5,7 +5,7 @@
 //! physics of four sizes was taken for it (tests/tests/all/plausible_runs.rs). Blocks hold several rows each: their readings are taken between
 //! neighbours, at the time that so many rows make.
 
-use super::{AS_GOOD, MOST_ROWS_LATE, Trial, Tried};
+use super::{AS_GOOD, BELIEVED, MOST_ROWS_LATE, Trial, Tried, fits};
 use crate::noise::repeatability::repeatability;
 use crate::plausibility::fitted::{Fitted, columns};
 use crate::plausibility::found::Implausible;
@@ -17,8 +17,6 @@ use trunnion_core::convert::um_from_mm;
 use trunnion_core::statistics::{median, rms};
 use trunnion_cycles::RunKind;
 
-/// What is left is no more than readings repeat where it exceeds that by no more than so many standard deviations of it.
-const SURE: f64 = 3.0;
 /// Neighbours farther apart than so many usual steps do not follow each other.
 const PAUSE_STEPS: f64 = 3.0;
 
@@ -34,11 +32,11 @@ pub(in crate::plausibility) fn by_rows(looked: &Looked) -> Option<Implausible> {
     let tried =
         (1..=MOST_ROWS_LATE as isize).flat_map(|by| [by, -by]).filter_map(|by| trial.late_by(&columns, by));
     let (mistake, left_mm) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    // The variance of so many repeats has the relative standard deviation √(2/ν) [normal distribution].
-    let chance = SURE * (2.0 / repeated.degrees_of_freedom.max(1) as f64).sqrt();
-    let fits = |mm: f64| mm.powi(2) <= repeated.sigma_mm.powi(2) * (1.0 + chance);
-    // Readings that fit as they are need no shift: of ten, one fits better by chance.
-    (!fits(before_mm) && fits(left_mm) && before_mm > AS_GOOD * left_mm).then(|| {
+    // Readings that fit as they are need no shift: of ten, one fits better by chance. Between blocks the course of a reading is not known, so that
+    // more is left than they repeat within.
+    let is_explained =
+        fits(&repeated, left_mm) && before_mm > AS_GOOD * left_mm || before_mm > BELIEVED * left_mm;
+    (!fits(&repeated, before_mm) && is_explained).then(|| {
         let [before_um, left_um, repeat_um] = [before_mm, left_mm, repeated.sigma_mm].map(um_from_mm);
         Implausible {
             finding: format!(

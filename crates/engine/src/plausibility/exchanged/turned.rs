@@ -17,13 +17,24 @@ const TURNED_DEG: i32 = 10;
 impl Trial<'_> {
     /// About each of its axes; of one setup, or all.
     pub(super) fn turned(&self, setup: Option<usize>) -> Vec<Tried> {
-        let about = |(pair, axis): &([usize; 2], &str)| {
-            let angles = (-180..180).filter(|deg: &i32| deg.abs() > TURNED_DEG);
-            let (deg, left_mm) = self.best_turn(setup, *pair, angles, |reading| *reading);
-            let deg = signed(f64::from(deg), 0);
-            (format!("the nest mounted turned by {deg}° about its {axis} axis"), left_mm)
-        };
-        ABOUT.iter().map(about).collect()
+        ABOUT.iter().map(|about| self.turned_about(*about, setup, TURNED_DEG)).collect()
+    }
+
+    /// One setup about z, by more than some degrees.
+    pub(super) fn turned_about_z(&self, setup: usize, by_more_than_deg: i32) -> Tried {
+        self.turned_about(ABOUT[0], Some(setup), by_more_than_deg)
+    }
+
+    fn turned_about(
+        &self,
+        (pair, axis): ([usize; 2], &str),
+        setup: Option<usize>,
+        by_more_than_deg: i32,
+    ) -> Tried {
+        let angles = (-180..180).filter(|deg: &i32| deg.abs() > by_more_than_deg);
+        let (deg, left_mm) = self.best_turn(setup, pair, angles, |reading| *reading);
+        let deg = signed(f64::from(deg), 0);
+        (format!("the nest mounted turned by {deg}° about its {axis} axis"), left_mm)
     }
 
     /// Raw readings of three probes at right angles to each other, each inclined alike to z: their directions are the columns of a rotation, so that

@@ -58,7 +58,7 @@ impl Files {
     }
 }
 
-pub const LIKENESSES: [ProbeMistake; 6] = [
+pub const LIKENESSES: [ProbeMistake; 7] = [
     (
         "senses of A and C",
         GRAVITY,
@@ -96,6 +96,12 @@ pub const LIKENESSES: [ProbeMistake; 6] = [
         NOTHING,
         |f| f.second_turned(30.0),
         &["the nest mounted turned by +30° about its z axis (setup high alone)", "Change it?"],
+    ),
+    (
+        "the nest of one setup turned by 8°",
+        NOTHING,
+        |f| f.second_turned(8.0),
+        &["the nest mounted turned by +8° about its z axis (setup high alone)", "Change it?"],
     ),
     (
         "raw readings of three inclined probes",
