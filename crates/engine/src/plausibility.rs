@@ -20,6 +20,7 @@ mod path;
 mod places;
 mod positions;
 mod readings;
+mod repeats;
 mod rounded;
 mod same_place;
 mod sensors;

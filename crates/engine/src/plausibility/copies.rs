@@ -3,25 +3,25 @@
 mod stretch;
 
 use super::found::{Implausible, plain};
+use super::repeats::{self, FEWEST, SURE};
 use super::shown::{Shown, same_by_chance, would_differ};
 use trunnion_core::Point;
 use trunnion_cycles::{Run, RunKind};
 
-/// So many rows are needed before equal halves, or setups, are copies and no chance.
-const FEWEST: usize = 8;
 /// Share of the rows of a setup that equal those of another: of two measurements only a coarse display makes some rows equal,
 /// and all where it hides the noise.
 const ALIKE_SHARE: f64 = 0.9;
 
-/// More rows with the readings of the row before than by chance: four standard deviations of a count [Poisson], one in 30 000.
-const SURE: f64 = 4.0;
 /// Rows that are named.
 const ROWS_SHOWN: usize = 4;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let of_run = |run: &Run| {
         let found: Vec<Implausible> = copies(run).into_iter().chain(setups(run)).chain(held(run)).collect();
-        if found.is_empty() { stretch::copied(run, FEWEST).into_iter().collect() } else { found }
+        if !found.is_empty() {
+            return found;
+        }
+        stretch::copied(run, FEWEST).or_else(|| repeats::copied(run)).into_iter().collect()
     };
     same_run(runs).into_iter().chain(runs.iter().flat_map(of_run)).collect()
 }

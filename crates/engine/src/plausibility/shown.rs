@@ -68,7 +68,12 @@ pub(super) fn would_differ(run: &Run, setup: usize) -> bool {
 /// Chance that two readings of one channel of a setup fall on one step of the display; `None` where that is not known.
 pub(super) fn same_by_chance(run: &Run, setup: usize) -> Option<f64> {
     let left = Left::of(run, setup, |_, _| false)?;
-    (left.scatter_mm > 0.0).then(|| (left.step_mm / (2.0 * left.scatter_mm * PI.sqrt())).min(1.0))
+    (left.scatter_mm > 0.0).then(|| same_within(left.step_mm, left.scatter_mm))
+}
+
+/// The same of noise of so much.
+pub(super) fn same_within(step_mm: f64, noise_mm: f64) -> f64 {
+    (step_mm / (2.0 * noise_mm * PI.sqrt())).min(1.0)
 }
 
 /// What the base model leaves of a run, next to the display of a setup.

@@ -3,6 +3,7 @@
 use super::found::{Implausible, plain};
 use super::positions::FAR_MM;
 use super::readings::FEWEST_POINTS;
+use super::repeats::{self, TOO_FINE_UM};
 use crate::Experiment;
 use crate::noise::repeatability::{of_channels_mm, repeatability};
 use crate::problem::passes::{Passes, passes};
@@ -14,10 +15,7 @@ use trunnion_cycles::{Run, RunKind};
 
 /// Readings that are all smaller: no ball is set so well in its nest, and no probe is worth less than its last digit, µm.
 const TOO_SMALL_UM: f64 = 0.5;
-/// Repeatability of a reading at rest below which the unit is doubted, µm: no axis comes back so well. 0.5 µm, a usual repeatability, is
-/// 0.5/25.4 = 0.02 µm where readings in thousandths of an inch are taken for µm. A judgement, tuned on no data.
-const TOO_FINE_UM: f64 = 0.02;
-/// The same above which it is: a worn machine comes back within some 10 µm, and what is loose is doubted as scatter. 0.1 µm is 100 µm where
+/// Repeatability of a reading at rest above which the unit is doubted: a worn machine comes back within some 10 µm, and what is loose is doubted as scatter. 0.1 µm is 100 µm where
 /// nanometres are taken for µm.
 const TOO_COARSE_UM: f64 = 50.0;
 
@@ -124,6 +122,10 @@ impl Repeats {
 /// Readings of a pose that comes again, closer or farther apart than any axis comes back.
 fn unrepeatable(run: &Run, repeats: &Repeats) -> Option<Implausible> {
     let sigma_um = um_from_mm(repeatability(&repeats.experiment, &repeats.passes)?.sigma_mm);
+    // Equal in every digit they are copies, whatever the unit.
+    if sigma_um < TOO_FINE_UM && repeats::copied(run).is_some() {
+        return None;
+    }
     if sigma_um < TOO_FINE_UM {
         return Some(plain(
             format!(

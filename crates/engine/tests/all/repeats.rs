@@ -86,6 +86,53 @@ fn a_probe_that_repeats_from_one_side_is_not_called_loose() {
     assert!(is_loose(|i, _| (1.7 * (i * i) as f64).sin()));
 }
 
+/// Two rounds of readings, rounded to a step.
+fn shown(step_mm: f64) -> Run {
+    let mut run = rounds(2, 0.0);
+    let shown = |mm: f64| (mm / step_mm).round() * step_mm;
+    run.points.iter_mut().for_each(|point| point.reading_mm = point.reading_mm.map(shown));
+    run
+}
+
+/// The second round is a copy of the first, or both hold their mean: repeats that agree in every digit prove nothing.
+#[test]
+fn a_pass_whose_readings_are_those_of_another_is_named_and_a_coarse_display_is_not() {
+    let is_copy =
+        |run: Run| implausible(&[run]).iter().any(|one| one.hypothesis.contains("copied into another"));
+    let one_pass_of = |mut run: Run| {
+        let (half, count) = (run.points.len() / 2, run.points.len() / 4);
+        for k in 0..count {
+            run.points[half + k].reading_mm = run.points[k].reading_mm;
+        }
+        run
+    };
+    let all_of = |mut run: Run| {
+        let half = run.points.len() / 2;
+        for k in 0..half {
+            run.points[half + k].reading_mm = run.points[k].reading_mm;
+        }
+        run
+    };
+    // A calibration turns what a coarse display shows into axes of the nest, and gives it more digits.
+    let calibrated = |step_mm: f64| {
+        let mut run = shown(step_mm);
+        let (sin, cos) = 0.14_f64.sin_cos();
+        for point in &mut run.points {
+            let [x, y, z] = point.reading_mm;
+            let turned = [cos * x - sin * y, sin * x + cos * y, z];
+            point.reading_mm = turned.map(|mm| (mm / 1e-5).round() * 1e-5);
+        }
+        run
+    };
+    assert!(is_copy(one_pass_of(shown(1e-5))), "a half of the second round");
+    assert!(is_copy(all_of(shown(1e-5))), "all of it");
+    for good in [shown(1e-5), shown(1e-4), shown(5e-4), shown(1e-3), calibrated(5e-4), calibrated(1e-3)] {
+        assert!(!is_copy(good));
+    }
+    // Behind a display that may hide the noise nothing is known.
+    assert!(!is_copy(one_pass_of(shown(5e-4))));
+}
+
 /// C moves along Z in two waves a turn, smaller than the noise: one pass does not say whether what is left next to them is noise.
 #[test]
 fn a_small_cause_is_adequate_only_where_repeats_say_what_noise_is() {

@@ -3,7 +3,7 @@
 //! A coarse display makes rows equal, and so does a quiet machine. So the base model has to expect other readings at their poses: fitted without
 //! these n readings it leaves Σr₀², with them Σr², and they are off by √((Σr² − Σr₀²)/n), which of good readings is what it leaves elsewhere [F test of n
 //! more readings]. They have to be farther off, and farther than a display rounds.
-//! Limits: a copy to the same poses (a way back that was not measured) only repeats too well, and is not found.
+//! A copy to the same poses (a way back that was not measured) only repeats too well (`repeats`).
 
 use crate::Experiment;
 use crate::plausibility::exchanged::BELIEVED;
