@@ -4,6 +4,7 @@
 //! 8° off reads 1 % short; a share that is farther from 1 is a sign, a unit, a deviation instead of a length or another direction.
 //! Positions that are the readings themselves, rounded, follow them better than any axis does, and leave no error.
 
+mod no_deviation;
 mod targets;
 
 use super::found::{Implausible, plain};
@@ -95,7 +96,7 @@ impl<'a> Line<'a> {
         let share = self.nominal_mm.dot(&self.readings_mm) / self.nominal_mm.norm_squared();
         let is = |factor: f64| (share / factor - 1.0).abs() < ALIKE;
         if is(1.0) {
-            return self.no_targets();
+            return self.no_deviation().or_else(|| self.no_targets());
         }
         Some({
             let finding = format!(

@@ -8,6 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
 use trunnion_core::axis::iso::X;
 use trunnion_core::{AxisValues, InstrumentKind, NestSide, Setup, State};
+use trunnion_cycles::Run;
 use trunnion_effects::Model;
 use trunnion_engine::compare::places;
 use trunnion_engine::diagnosis::Options;
@@ -35,6 +36,47 @@ fn line(positions_mm: &[f64], mut error_um: impl FnMut(f64) -> f64) -> Experimen
 
 fn one_way() -> Vec<f64> {
     (0..160).map(|i| 0.8 * f64::from(i)).collect()
+}
+
+/// Targets in the column of the readings, or a display of 0.1 mm at targets of whole millimetres; one of 1 mm at others rounds.
+#[test]
+fn readings_that_are_the_targets_are_no_readings() {
+    let found = |step_mm: f64, read: &dyn Fn(f64) -> f64| {
+        let pass: Vec<f64> = (0..11).map(|i| step_mm * f64::from(i) - 180.0).collect();
+        implausible(&[laser(&pass, read)])
+            .into_iter()
+            .map(|one| one.finding + &one.hypothesis)
+            .collect::<Vec<_>>()
+    };
+    let rounded = |mm: f64, step_mm: f64| (mm / step_mm).round() * step_mm;
+    let cases: [(&str, f64, &dyn Fn(f64) -> f64); 3] = [
+        ("follow their targets to the last digit", 36.3, &|x| x + 171.953_763),
+        ("follow their targets to the last digit", 36.0, &|x| rounded(x + 172.0, 0.1)),
+        ("in steps of 1 mm", 36.3, &|x| rounded(x + 172.0, 1.0)),
+    ];
+    for (words, step_mm, read) in cases {
+        let said = found(step_mm, read);
+        assert!(said.first().is_some_and(|said| said.contains(words)), "{words}: {said:?}");
+    }
+    assert_eq!(found(36.3, &|x| x + 1e-3 * (0.1 * x).sin()), [""; 0], "a good line, read without noise");
+}
+
+/// Five passes there and back over these targets, read without noise.
+fn laser(targets_mm: &[f64], read: &dyn Fn(f64) -> f64) -> Run {
+    let machine = shipped::machine("three-axis").unwrap();
+    let mut setup = Setup::new("line", InstrumentKind::Diagonal, NestSide::Table, Point3::new(0.0, 0.0, 0.0));
+    setup.direction = Some(Vector3::x_axis());
+    let back = targets_mm.iter().rev();
+    let pass: Vec<(f64, f64)> =
+        targets_mm.iter().map(|x| (*x, 1.0)).chain(back.map(|x| (*x, -1.0))).collect();
+    let points = (0..5 * pass.len()).map(|i| {
+        let (x, way) = pass[i % pass.len()];
+        let (mut position, mut direction) = (AxisValues::default(), AxisValues::default());
+        (position[X], direction[X]) = (x, way);
+        let state = State { position, direction, time_s: Some(5.0 * i as f64), ..State::default() };
+        point(state, [read(x), 0.0, 0.0])
+    });
+    run("line", machine, vec![setup], points.collect())
 }
 
 /// A laser along X, read at −400 … 395 mm with a scale error of 100 µm/m, as a user may give it.
