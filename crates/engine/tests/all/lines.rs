@@ -38,6 +38,9 @@ fn one_way() -> Vec<f64> {
     (0..160).map(|i| 0.8 * f64::from(i)).collect()
 }
 
+/// What is read at a place.
+type Reading<'a> = &'a dyn Fn(f64) -> f64;
+
 /// Targets in the column of the readings, or a display of 0.1 mm at targets of whole millimetres; one of 1 mm at others rounds.
 #[test]
 fn readings_that_are_the_targets_are_no_readings() {
@@ -49,7 +52,7 @@ fn readings_that_are_the_targets_are_no_readings() {
             .collect::<Vec<_>>()
     };
     let rounded = |mm: f64, step_mm: f64| (mm / step_mm).round() * step_mm;
-    let cases: [(&str, f64, &dyn Fn(f64) -> f64); 3] = [
+    let cases: [(&str, f64, Reading); 3] = [
         ("follow their targets to the last digit", 36.3, &|x| x + 171.953_763),
         ("follow their targets to the last digit", 36.0, &|x| rounded(x + 172.0, 0.1)),
         ("in steps of 1 mm", 36.3, &|x| rounded(x + 172.0, 1.0)),
