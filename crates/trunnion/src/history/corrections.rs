@@ -89,9 +89,14 @@ fn of_one(runs: &[HistoryRun], correction: &CorrectionEntered) -> AroundCorrecti
         correction: correction.clone(),
         before: before.map(|run| run.run.clone()),
         after: after.map(|run| run.run.clone()),
-        words: words(correction, before, after, &parameters),
+        words: words(correction, before, after, &parameters, undated(runs)),
         parameters,
     }
+}
+
+/// Analysed runs of which nobody knows when they were measured.
+fn undated(runs: &[HistoryRun]) -> usize {
+    runs.iter().filter(|run| run.rms_um.is_some() && run.began_s.is_none()).count()
 }
 
 fn words(
@@ -99,6 +104,7 @@ fn words(
     before: Option<&HistoryRun>,
     after: Option<&HistoryRun>,
     parameters: &[ChangedParameter],
+    undated: usize,
 ) -> Vec<String> {
     let CorrectionEntered { at, by, what, .. } = correction;
     let mut words = vec![format!("{by} entered a correction on {at}: {what}.")];
@@ -107,6 +113,12 @@ fn words(
             None => "No run was analysed after it: measure the same cycle again.".into(),
             Some(_) => "No run was analysed before it, so nothing shows what it did.".to_string(),
         });
+        if undated > 0 {
+            words.push(format!(
+                "{undated} analysed {} no date, as imported tables have none, and may be of before or after: compare them by hand.",
+                if undated == 1 { "run has" } else { "runs have" }
+            ));
+        }
         return words;
     };
     let changed: Vec<String> =
