@@ -37,11 +37,6 @@ impl Found {
         let in_ranges = self.ranges.iter().all(|&(d, from, to)| within(bins[d], from, to));
         in_ranges && self.setup.is_none_or(|own| own == setup)
     }
-
-    /// How many conditions it takes to name it.
-    pub fn conditions(&self) -> usize {
-        self.ranges.len() + usize::from(self.setup.is_some()) + usize::from(self.way != Way::All)
-    }
 }
 
 fn within(bin: usize, from: usize, to: usize) -> bool {

@@ -2,6 +2,7 @@
 
 use super::found::{Found, Way};
 use super::readings::Readings;
+use nalgebra::DMatrix;
 
 /// Fewest readings of a place.
 const FEWEST: usize = 6;
@@ -28,8 +29,7 @@ pub fn best(readings: &Readings, chosen: &[Found]) -> Option<Found> {
         1 => vec![(0, 0)],
         _ => (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect(),
     };
-    // Best of each number of conditions.
-    let mut best: Vec<Option<Found>> = vec![None; 5];
+    let mut best = Best { of_conditions: Default::default(), readings, chosen };
     for component in 0..readings.components.len() {
         let Some(spread) = Spread::of(readings, component) else { continue };
         let layers = (setups.len() * ways.len() * readings.components.len()) as f64;
@@ -37,20 +37,35 @@ pub fn best(readings: &Readings, chosen: &[Found]) -> Option<Found> {
             for &way in &ways {
                 for &pair in &pairs {
                     let layer = Layer { component, setup, way, pair };
-                    layer.scan(readings, &spread, layers, &mut |found| {
-                        let slot = &mut best[found.conditions()];
-                        if slot.as_ref().is_none_or(|other| found.worth > other.worth)
-                            && !chosen.iter().any(|other| overlap(&found, other, readings))
-                        {
-                            *slot = Some(found);
-                        }
-                    });
+                    layer.scan(&spread, layers, &mut best);
                 }
             }
         }
     }
+    let best = best.of_conditions;
     let most = best.iter().flatten().map(|found| found.worth).fold(0.0, f64::max);
     best.into_iter().flatten().find(|found| found.worth > 0.0 && found.worth >= NEARLY * most)
+}
+
+/// The best box of each number of conditions that overlaps none of `chosen`.
+struct Best<'a> {
+    of_conditions: [Option<Found>; 5],
+    readings: &'a Readings,
+    chosen: &'a [Found],
+}
+
+impl Best<'_> {
+    /// A box of so many conditions; most boxes are worth less than one before them, and are never made.
+    fn offer(&mut self, conditions: usize, worth: f64, found: impl FnOnce() -> Found) {
+        let slot = &mut self.of_conditions[conditions];
+        if slot.as_ref().is_some_and(|other| worth <= other.worth) {
+            return;
+        }
+        let found = found();
+        if !self.chosen.iter().any(|other| overlap(&found, other, self.readings)) {
+            *slot = Some(found);
+        }
+    }
 }
 
 /// Variance of a component and how its readings cling together: mean size of a cluster, and the share of the mean square by which clusters
@@ -92,7 +107,8 @@ struct Layer {
 }
 
 impl Layer {
-    fn scan(&self, readings: &Readings, spread: &Spread, layers: f64, visit: &mut impl FnMut(Found)) {
+    fn scan(&self, spread: &Spread, layers: f64, best: &mut Best<'_>) {
+        let readings = best.readings;
         let (a, b) = self.pair;
         let single = a == b;
         let (rows, columns) =
@@ -120,6 +136,8 @@ impl Layer {
         sums.accumulate();
         let over_a = ranges(rows, readings.dimensions[a].is_full_turn);
         let over_b = ranges(columns, !single && readings.dimensions[b].is_full_turn);
+        let prices = self.prices(spread, layers, readings, [(rows, over_a.len()), (columns, over_b.len())]);
+        let layer_conditions = usize::from(self.setup.is_some()) + usize::from(self.way != Way::All);
         for &(from_a, length_a) in &over_a {
             for &(from_b, length_b) in &over_b {
                 let (n, sum) = sums.within((from_a, from_a + length_a), (from_b, from_b + length_b));
@@ -127,27 +145,19 @@ impl Layer {
                 if n < FEWEST as f64 || (cells < 2 && !single) {
                     continue;
                 }
-                let mut conditions = Vec::new();
-                let (mut choices, mut share) = (layers, 1.0);
-                for (dimension, from, length, of, all) in
-                    [(a, from_a, length_a, rows, over_a.len()), (b, from_b, length_b, columns, over_b.len())]
-                {
-                    if length < of {
-                        conditions.push((dimension, from, (from + length - 1) % of));
-                        choices *= all as f64;
-                        if readings.is_fast(dimension) {
-                            share = length as f64 / of as f64;
-                        }
-                    }
-                }
                 let explains = sum * sum / n;
-                let worth = explains - spread.price(share, choices);
+                let worth = explains - prices[(length_a, length_b)];
                 if worth > 0.0 {
-                    visit(Found {
+                    let sides = [(a, from_a, length_a, rows), (b, from_b, length_b, columns)];
+                    let parts = sides.iter().filter(|(_, _, length, bins)| length < bins);
+                    let last = |from: usize, length: usize, bins: usize| (from + length - 1) % bins;
+                    best.offer(layer_conditions + parts.clone().count(), worth, || Found {
                         component: self.component,
                         setup: self.setup,
                         way: self.way,
-                        ranges: conditions,
+                        ranges: parts
+                            .map(|&(d, from, length, bins)| (d, from, last(from, length, bins)))
+                            .collect(),
                         readings: n as usize,
                         mean_um: sum / n,
                         explains,
@@ -156,6 +166,31 @@ impl Layer {
                 }
             }
         }
+    }
+
+    /// The price of a box by its lengths in both dimensions, from bins and number of ranges of each: where the box begins plays no part.
+    fn prices(
+        &self,
+        spread: &Spread,
+        layers: f64,
+        readings: &Readings,
+        [(rows, over_a), (columns, over_b)]: [(usize, usize); 2],
+    ) -> DMatrix<f64> {
+        let (a, b) = self.pair;
+        DMatrix::from_fn(rows + 1, columns + 1, |length_a, length_b| {
+            let (mut choices, mut share) = (layers, 1.0);
+            for (dimension, length, bins, ranges) in
+                [(a, length_a, rows, over_a), (b, length_b, columns, over_b)]
+            {
+                if length < bins {
+                    choices *= ranges as f64;
+                    if readings.is_fast(dimension) {
+                        share = length as f64 / bins as f64;
+                    }
+                }
+            }
+            spread.price(share, choices)
+        })
     }
 }
 
