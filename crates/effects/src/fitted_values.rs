@@ -19,6 +19,7 @@
 //! Σ_ij = ρ_ij (u_i u_j + s_i s_j), u the standard uncertainty of the values, s their standard deviation from run to run.
 //! Limits: differences between runs are taken to be correlated like the values, as in the one-correlation model of [Riley 2008].
 
+use serde::{Deserialize, Serialize};
 use toml_edit::{Array, InlineTable, Item, Table as Written, Value, value};
 use trunnion_core::input::Table;
 
@@ -27,7 +28,7 @@ const POSITIVE: std::ops::RangeInclusive<f64> = 0.0..=f64::MAX;
 const CORRELATION: std::ops::RangeInclusive<f64> = -1.0..=1.0;
 
 /// Values of the machine's parameters in a model, from one fit. Settings are not among them: they belong to a run.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FittedValues {
     /// Day of the fit, `YYYY-MM-DD`; may be empty.
     pub date: String,
@@ -44,7 +45,7 @@ pub struct FittedValues {
 }
 
 /// A run that was fitted.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FittedRun {
     /// Name.
     pub name: String,
@@ -53,7 +54,7 @@ pub struct FittedRun {
 }
 
 /// A parameter as fitted, screen units.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FittedValue {
     /// Effect id.
     pub effect: String,

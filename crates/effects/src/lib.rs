@@ -7,6 +7,7 @@
 pub mod catalogue;
 mod effect;
 mod fitted_values;
+mod fixed_text;
 pub mod formula;
 mod golden;
 mod golden_check;
@@ -30,6 +31,7 @@ mod subjects;
 
 pub use effect::{About, Effect, Example, Role, View};
 pub use fitted_values::{FittedRun, FittedValue, FittedValues};
+pub use fixed_text::{FixedText, fixed_text};
 pub use formula::{Formula, FormulaError};
 pub use golden::{ByAxis, Golden, Moment};
 pub use golden_check::Checked;

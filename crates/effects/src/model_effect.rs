@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One `[[effect]]` of a model.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ModelEffect {
     /// Effect id.
     pub id: String,
@@ -37,7 +37,7 @@ impl ModelEffect {
 }
 
 /// A value known beforehand with its standard uncertainty, screen units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prior {
     /// Expected value.
     pub value: f64,

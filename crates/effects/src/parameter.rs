@@ -1,5 +1,7 @@
 //! What an effect is about, and its numbers: subject, linear parameters with units, shape numbers.
 
+use crate::fixed_text::{FixedText, fixed_text};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use trunnion_core::{Joint, Twist};
 use trunnion_machine::Site;
@@ -37,12 +39,13 @@ pub struct Parameter {
 }
 
 /// The largest size of a parameter that its cause can have.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limit {
     /// In the unit of screens.
     pub largest: f64,
     /// What a larger one says instead.
-    pub beyond: &'static str,
+    #[serde(deserialize_with = "fixed_text")]
+    pub beyond: FixedText,
     /// A larger one says so only where nothing else is found: the readings are another effect's, which it resembles.
     pub resembles: bool,
 }
@@ -56,10 +59,11 @@ impl Limit {
 }
 
 /// A unit on files and screens with its size.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unit {
     /// Text in JSON, e.g. `um`, `urad`, `um/K`.
-    pub symbol: &'static str,
+    #[serde(deserialize_with = "fixed_text")]
+    pub symbol: FixedText,
     /// Value on the screen = value inside × this.
     pub per_inside: f64,
 }

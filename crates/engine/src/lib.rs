@@ -15,6 +15,7 @@ pub mod plausibility;
 pub mod problem;
 pub mod solve;
 pub mod spectrum;
+mod written;
 
 pub use diagnosis::judged::{LearnedNoise, OpenEffect, Verdict};
 pub use diagnosis::options::DiagnoseError;
@@ -34,6 +35,7 @@ pub use fit::options::{HeldOut, IdentifyError, Outliers, Uncertainties};
 pub use problem::Problem;
 pub use problem::experiment::Experiment;
 pub use problem::folds::LeftOut;
+pub use problem::known::KnownFits;
 pub use problem::runs::ExperimentError;
 pub use problem::stream::{Nominal, blocks_of, reducer, stations};
 pub use solve::combinations::Combination;

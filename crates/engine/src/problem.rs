@@ -7,6 +7,7 @@ pub(crate) mod credible;
 pub mod design;
 pub mod experiment;
 pub(crate) mod folds;
+pub mod known;
 pub(crate) mod last_run;
 pub(crate) mod off_nominal;
 pub(crate) mod one_way;
@@ -21,9 +22,10 @@ pub(crate) mod stream;
 pub(crate) mod taken;
 
 use crate::fit::identification::Identification;
+use crate::fit::identify_sharing;
 use crate::fit::options::{IdentifyError, Options};
-use crate::fit::{identify, identify_sharing};
 use crate::problem::experiment::Experiment;
+use crate::problem::known::KnownFits;
 use credible::credible_columns;
 use nalgebra::DMatrix;
 use std::borrow::Cow;
@@ -35,32 +37,69 @@ pub struct Problem<'a> {
     experiment: &'a Experiment,
     model: Cow<'a, Model>,
     fit: Cow<'a, Identification>,
+    known: Option<&'a dyn KnownFits>,
 }
 
 impl<'a> Problem<'a> {
     /// Fits a model to an experiment with the default options.
     ///
     /// # Errors
-    /// As [`identify`].
+    /// As [`crate::identify`].
     pub fn new(experiment: &'a Experiment, model: &Model) -> Result<Self, IdentifyError> {
-        let fit = identify(experiment, model, &Options::default())?;
-        Ok(Self { experiment, model: Cow::Owned(model.clone()), fit: Cow::Owned(fit) })
+        Self::of_model(experiment, model.clone(), None, None)
     }
 
     /// A fit that was made before, by [`Problem::new`] or with its options, of this model to this experiment.
     pub fn of_fit(experiment: &'a Experiment, model: &'a Model, fit: &'a Identification) -> Self {
-        Self { experiment, model: Cow::Borrowed(model), fit: Cow::Borrowed(fit) }
+        Self { experiment, model: Cow::Borrowed(model), fit: Cow::Borrowed(fit), known: None }
+    }
+
+    /// Fits a model as [`Problem::new`], unless its fit is known; so are all that come from it.
+    ///
+    /// # Errors
+    /// As [`crate::identify`].
+    pub fn known(
+        experiment: &'a Experiment,
+        model: &Model,
+        known: &'a dyn KnownFits,
+    ) -> Result<Self, IdentifyError> {
+        Self::of_model(experiment, model.clone(), None, Some(known))
+    }
+
+    /// The same problem; what comes from it is looked up with `known` first.
+    #[must_use]
+    pub fn knowing(self, known: &'a dyn KnownFits) -> Self {
+        Self { known: Some(known), ..self }
+    }
+
+    /// `other`: another fit of the same points.
+    fn of_model(
+        experiment: &'a Experiment,
+        model: Model,
+        other: Option<&Identification>,
+        known: Option<&'a dyn KnownFits>,
+    ) -> Result<Self, IdentifyError> {
+        let fit = match known.and_then(|known| known.fit(&model)) {
+            Some(fit) => fit,
+            None => {
+                let fit = identify_sharing(experiment, &model, &Options::default(), other)?;
+                if let Some(known) = known {
+                    known.made(&model, &fit);
+                }
+                fit
+            }
+        };
+        Ok(Self { experiment, model: Cow::Owned(model), fit: Cow::Owned(fit), known })
     }
 
     /// The same points with more effects at the end of the model.
     ///
     /// # Errors
-    /// As [`identify`].
+    /// As [`crate::identify`].
     pub fn with(&self, added: &[ModelEffect]) -> Result<Self, IdentifyError> {
         let mut model = self.model().clone();
         model.effects.extend_from_slice(added);
-        let fit = identify_sharing(self.experiment, &model, &Options::default(), Some(&self.fit))?;
-        Ok(Self { experiment: self.experiment, model: Cow::Owned(model), fit: Cow::Owned(fit) })
+        Self::of_model(self.experiment, model, Some(&self.fit), self.known)
     }
 
     /// Columns of the free parameters of the model at the shapes fitted, of points of the same scene; rows × columns.

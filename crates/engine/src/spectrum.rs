@@ -22,10 +22,11 @@ use crate::problem::Problem;
 use band::{Band, OVERSAMPLING};
 use left::Left;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use trunnion_core::Joint;
 use trunnion_core::convert::{um_from_mm, urad_from_rad};
-use trunnion_effects::Instance;
+use trunnion_effects::{FixedText, Instance, fixed_text};
 use trunnion_machine::{Axis, Site};
 use wave::{Explained, Waves};
 
@@ -55,14 +56,15 @@ pub struct AxisSpectrum {
 }
 
 /// A wave found along an axis.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wave {
     /// Period, mm, or cycles a turn.
     pub value: f64,
     /// Its standard uncertainty.
     pub u: f64,
     /// `mm` or `per turn`.
-    pub unit: &'static str,
+    #[serde(deserialize_with = "fixed_text")]
+    pub unit: FixedText,
     /// Amplitude where one motion waves: µm of a shift, µrad of a turn.
     pub amplitude: Option<f64>,
     /// Root mean square over all readings, µm.

@@ -9,17 +9,18 @@ use crate::problem::folds::LeftOut;
 use crate::problem::last_run::{last_run, rests};
 use crate::solve::combinations::Combination;
 use crate::spectrum::Wave;
+use serde::{Deserialize, Serialize};
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::plain;
 use trunnion_cycles::RunKind;
-use trunnion_effects::ModelEffect;
+use trunnion_effects::{FixedText, ModelEffect, fixed_text};
 
 /// Two hours and more are said in hours.
 const HOURS_FROM_S: f64 = 7200.0;
 
 /// What is missing from a model, as far as the data can say.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Diagnosis {
     /// Effects of the model that was judged, in order.
     pub model: Vec<String>,
@@ -52,7 +53,7 @@ pub struct Diagnosis {
 }
 
 /// Size of the residual of a model.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResidualSummary {
     /// Root mean square of the residual without outliers, µm per component.
     pub rms_um: f64,
@@ -118,7 +119,7 @@ impl Diagnosis {
 }
 
 /// The fit with all that was found, where it is more than one thing.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Together {
     /// Residual after adding all of it, µm rms.
     pub rms_um: f64,
@@ -135,7 +136,7 @@ pub struct Together {
 }
 
 /// One effect that would explain part of the residual.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// Effect id.
     pub effect: String,
@@ -173,7 +174,7 @@ impl Candidate {
 }
 
 /// A fitted parameter of a candidate.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CandidateParameter {
     /// Id of the effect that it belongs to.
     pub effect: String,
@@ -188,7 +189,7 @@ pub struct CandidateParameter {
 }
 
 /// An expression for structure that has no name, as a `formula:NAME` effect of a model file (docs/design/contracts.md §4).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FormulaProposal {
     /// Name of the effect.
     pub name: String,
@@ -217,7 +218,7 @@ pub struct FormulaProposal {
 }
 
 /// What to measure next to separate rivals.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NextCycle {
     /// What to do, for a person.
     pub suggestion: String,
@@ -265,12 +266,13 @@ fn watch_again(experiment: &Experiment) -> Option<String> {
 }
 
 /// A shape number of an expression.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShapeNumber {
     /// Its name in the expression.
     pub name: String,
     /// Value in `unit`.
     pub value: f64,
     /// `rad`, `s`, `rad/s`, `rad/mm` or `1`.
-    pub unit: &'static str,
+    #[serde(deserialize_with = "fixed_text")]
+    pub unit: FixedText,
 }

@@ -17,8 +17,10 @@ use crate::problem::experiment::SECANT;
 use crate::problem::one_way::one_way;
 use crate::problem::steps::{self, OneDirection};
 use crate::solve::collinear::collinear;
+use crate::written::joint;
 use crate::{Experiment, Status};
 use nalgebra::DMatrix;
+use serde::{Deserialize, Serialize};
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::statistics::{COVERAGE_95, upper_median};
@@ -30,7 +32,7 @@ use trunnion_effects::{Instance, Limit, Model, Parameter, Role, Unit};
 const SCATTER_UM: f64 = 2.5;
 
 /// Numbers to doubt.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Doubt {
     /// Effect id; none where the readings themselves are doubted.
     pub effect: Option<String>,
@@ -41,7 +43,7 @@ pub struct Doubt {
 }
 
 /// What is wrong with fitted numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum DoubtReason {
     /// Their temperatures changed together: only their sum is determined.
     Collinear {
@@ -74,11 +76,13 @@ pub enum DoubtReason {
     /// The effect depends on time alone, and an axis goes one way while time goes on.
     PlaceAndTime {
         /// The axis.
+        #[serde(with = "joint")]
         joint: Joint,
     },
     /// One direction is stated at every point of an axis that went both ways.
     OneDirection {
         /// The axis.
+        #[serde(with = "joint")]
         joint: Joint,
         /// What is stated.
         stated: f64,

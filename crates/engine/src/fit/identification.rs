@@ -7,14 +7,15 @@ use crate::noise::learned::remainder::Learned;
 use crate::problem::folds::LeftOut;
 use crate::solve::combinations::Combination;
 use crate::solve::direction::{Status, Unobservable};
+use crate::written::{instrument, matrix, vector};
 use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_core::InstrumentKind;
-use trunnion_effects::Unit;
+use trunnion_effects::{FixedText, Unit, fixed_text};
 
 /// The result of [`crate::identify`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identification {
     /// Machine name.
     pub machine: String,
@@ -32,13 +33,17 @@ pub struct Identification {
     pub seen_together: Vec<Combination>,
     /// Parameter vector behind `predicted_mm`, inside units, in the order of `parameters`. What has no number in
     /// `parameters` still has an arbitrary (small) one here: never show it.
+    #[serde(with = "vector")]
     pub solution: DVector<f64>,
     /// Covariance of `solution` under noise as machines make it, inside units; zero in the rows of parameters without uncertainty. Rows
     /// after those of `parameters` are of shape numbers that the fit found ([`FittedEffect::shape_in_covariance`]).
+    #[serde(with = "matrix")]
     pub covariance: DMatrix<f64>,
     /// Exact prediction, mm; rows as in [`crate::Experiment`].
+    #[serde(with = "vector")]
     pub predicted_mm: DVector<f64>,
     /// Measured − predicted, mm; all rows, outliers included.
+    #[serde(with = "vector")]
     pub residual_mm: DVector<f64>,
     /// True for each point that took part in the fit; false for outliers.
     pub used: Vec<bool>,
@@ -54,6 +59,7 @@ pub struct Identification {
     /// The noise that was learned, where the uncertainties follow from it: a diagnosis goes on from there.
     pub(crate) noise: Option<Learned>,
     /// Root of the weight of each row in the fit; mean square 1 over the rows used.
+    #[serde(with = "vector")]
     pub row_weights: DVector<f64>,
     /// Noise of each run and instrument, as the readings were weighted.
     pub noise_by_run: Vec<GroupNoise>,
@@ -70,7 +76,7 @@ pub struct Identification {
 }
 
 /// One effect of the fitted model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FittedEffect {
     /// Effect id.
     pub id: String,
@@ -83,7 +89,7 @@ pub struct FittedEffect {
 }
 
 /// One parameter of the model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FittedParameter {
     /// Name, e.g. `EX0C`.
     pub name: String,
@@ -104,7 +110,7 @@ pub struct FittedParameter {
 }
 
 /// A point excluded by the robust loss.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Outlier {
     /// Index in [`crate::Experiment::points`].
     pub point: usize,
@@ -119,7 +125,7 @@ pub struct Outlier {
 }
 
 /// Scatter of one scalar reading when a pose is measured again. A property of the points: no model enters.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Repeatability {
     /// Standard deviation, mm.
     pub sigma_mm: f64,
@@ -146,20 +152,22 @@ pub enum Approach {
 }
 
 /// A part of a machine's noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NoisePart {
     /// What it is, in words.
-    pub name: &'static str,
+    #[serde(deserialize_with = "fixed_text")]
+    pub name: FixedText,
     /// Standard deviation (rms over the scalar readings; expected, given the residual), mm.
     pub sigma_mm: f64,
 }
 
 /// Noise of one instrument in one run. A reading counts with 1/(floor² + standard error²).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GroupNoise {
     /// Name of the run.
     pub run: String,
     /// The instrument.
+    #[serde(with = "instrument")]
     pub instrument: InstrumentKind,
     /// Scalar readings used.
     pub readings: usize,
@@ -172,7 +180,7 @@ pub struct GroupNoise {
 }
 
 /// Prediction of data that took no part in the fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Holdout {
     /// Root mean square of the scalar residuals, mm.
     pub rms_mm: f64,

@@ -5,10 +5,11 @@
 
 use crate::Experiment;
 use crate::problem::passes::Passes;
+use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 
 /// The unit that is left out in turn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LeftOut {
     /// Whole runs: each was measured in one pass.
     Runs,

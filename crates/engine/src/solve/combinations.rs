@@ -10,6 +10,8 @@ use crate::solve::echelon::{Preferred, Row, echelon};
 use crate::solve::null_space::Direction;
 use crate::solve::words::spell;
 use nalgebra::{DMatrix, DVector, RowDVector};
+use serde::{Deserialize, Serialize};
+use trunnion_effects::{FixedText, fixed_text};
 
 /// Beyond this many the combinations would be of no use to a person.
 const MOST: usize = 24;
@@ -18,7 +20,7 @@ const TAKES_PART: f64 = 1e-6;
 const ZERO: f64 = 1e-8;
 
 /// A combination of parameters that the data determine.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Combination {
     /// Which parameters take part.
     pub parameters: Vec<usize>,
@@ -29,7 +31,8 @@ pub struct Combination {
     /// Its standard uncertainty on the screen.
     pub u: f64,
     /// Unit on the screen: that of the first parameter.
-    pub unit: &'static str,
+    #[serde(deserialize_with = "fixed_text")]
+    pub unit: FixedText,
 }
 
 /// The combinations of the parameters `without_number`.

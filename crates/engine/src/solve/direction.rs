@@ -1,7 +1,9 @@
 //! What a direction in parameter space is called, and what became of each parameter.
 
+use serde::{Deserialize, Serialize};
+
 /// How the number of a parameter came about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Status {
     /// Determined by the data.
     Identified,
@@ -14,7 +16,7 @@ pub enum Status {
 }
 
 /// A direction in parameter space that moves no reading.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Unobservable {
     /// Parameter names with coefficients in screen units, e.g. `EX0A - EX0C`.
     pub direction: String,

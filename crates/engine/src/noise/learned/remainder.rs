@@ -9,9 +9,11 @@ use super::tails;
 use crate::Experiment;
 use crate::evidence::{joined, orthonormal};
 use crate::problem::rows::Rows;
+use crate::written::vector;
 use nalgebra::{DMatrix, DVector};
+use serde::{Deserialize, Serialize};
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 
 /// Of the robust size of the residual, what is white to begin with.
@@ -52,22 +54,29 @@ pub(crate) struct Remainder<'a> {
     /// The display of the readings where its step is coarser than the residual.
     pub coarse_display: Option<Display>,
     pub kernels: Arc<Kernels>,
+    shared: SharedKernels,
     /// ln of the least white standard deviation.
     least_ln: f64,
     /// Nodes of which every point took part in the fit.
     used: Vec<bool>,
 }
 
+type SharedKernels = Arc<OnceLock<Arc<Kernels>>>;
+
 /// The noise of one fit.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct Learned {
     /// s, mm, and ln ρ of every kernel.
     s_mm: f64,
     rho_ln: Vec<f64>,
     /// Multiple of the white variance of every row.
+    #[serde(with = "vector")]
     pub white: DVector<f64>,
-    /// Shared by all fits of the same points with the same weights: they depend on nothing else.
-    kernels: Arc<Kernels>,
+    /// Shared by all fits of the same points with the same weights: they depend on nothing else. A noise that was written and read back has
+    /// none until somebody needs them.
+    #[serde(skip)]
+    kernels: SharedKernels,
+    #[serde(with = "vector")]
     root: DVector<f64>,
 }
 
@@ -97,13 +106,13 @@ impl<'a> Remainder<'a> {
         }
         let nodes = 0..rows.points.points.len();
         let used = nodes.map(|node| rows.points_of(node).iter().all(|&point| fitted.used[point])).collect();
-        let kernels = match fitted.other.filter(|other| other.root == root) {
-            Some(other) => other.kernels.clone(),
-            None => Arc::new(Kernels::new(&rows.points, &root, rows.readings_of_one().sqrt())),
-        };
+        let other = fitted.other.filter(|other| other.root == root);
+        let shared = other.map_or_else(SharedKernels::default, |other| other.kernels.clone());
+        let of_rows = || Arc::new(Kernels::new(&rows.points, &root, rows.readings_of_one().sqrt()));
+        let kernels = shared.get_or_init(of_rows).clone();
         let (y, basis) = ((residual / unit_mm).cast::<Real>(), orthonormal(&base).cast::<Real>());
         let least_ln = (least_mm / unit_mm).ln();
-        Ok(Self { rows, root, base, basis, y, unit_mm, coarse_display, kernels, least_ln, used })
+        Ok(Self { rows, root, base, basis, y, unit_mm, coarse_display, kernels, shared, least_ln, used })
     }
 
     /// The noise with the columns of the model, with the weights of points that it asks for; near the mode, as sizes need it.
@@ -123,7 +132,7 @@ impl<'a> Remainder<'a> {
             (white, mode) = (weights, next);
         }
         let s_mm = mode.s() * self.unit_mm;
-        let (kernels, root) = (self.kernels.clone(), self.root.clone());
+        let (kernels, root) = (self.shared.clone(), self.root.clone());
         Some((Learned { s_mm, rho_ln: mode.x()[1..].to_vec(), white, kernels, root }, mode))
     }
 
@@ -180,6 +189,14 @@ impl<'a> Remainder<'a> {
     fn mode(&self, white: &DVector<f64>, x: &[f64], effort: Effort) -> Option<Mode> {
         let readings = self.readings(white);
         readings.learn(&self.basis, readings.sigma(x)?, effort)
+    }
+}
+
+/// The kernels follow from the rest.
+impl PartialEq for Learned {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { s_mm, rho_ln, white, kernels: _, root } = self;
+        (s_mm, rho_ln, white, root) == (&other.s_mm, &other.rho_ln, &other.white, &other.root)
     }
 }
 
