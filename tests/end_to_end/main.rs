@@ -19,6 +19,7 @@ mod host_faults;
 mod hybrid;
 #[path = "../src/json_schema.rs"]
 mod json_schema;
+mod kept;
 mod long_lists;
 mod methods;
 mod nc_program;

@@ -4,6 +4,7 @@
 //! or refused because the runs are doubted.
 
 mod commands;
+mod kept;
 mod load;
 mod one_of;
 mod outcome;
@@ -73,6 +74,9 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     if cli.all {
         terminal::show_all();
+    }
+    if let Some(folder) = kept::folder() {
+        trunnion::keep_in(&folder);
     }
     let outcome = match cli.command {
         Command::Demo(args) => demo::run(&args),

@@ -116,7 +116,7 @@ fn measure_act<'a>(
 /// # Errors
 /// When the effect is not in the model or in every model, or a fit fails.
 pub(crate) fn remove(
-    experiment: &Experiment,
+    experiment: &crate::Experiment,
     model: &Model,
     id: &str,
     date: &str,
@@ -140,18 +140,19 @@ pub(crate) fn remove(
 
 /// Measures again the ladder rows of the entries from `first` on, each act on top of the entries before it; gives the fit of all.
 fn measure_ladder(
-    experiment: &Experiment,
+    experiment: &crate::Experiment,
     model: &mut Model,
     first: usize,
     date: &str,
 ) -> Result<Identification, AnalysisError> {
     let shorter = Model::of(&model.machine, model.effects[..first].to_vec());
-    let mut before = Problem::new(experiment, &shorter)?;
+    let points = experiment.points();
+    let mut before = Problem::known(points, &shorter, experiment)?;
     for act in model.effects[first..].chunk_by_mut(|one, next| one.added_as() == next.added_as()) {
         before = if BASE.contains(&act[0].id.as_str()) {
             before.with(act)?
         } else {
-            measure_act(experiment, &before, act, date)?
+            measure_act(points, &before, act, date)?
         };
     }
     Ok(before.into_fit())
@@ -211,6 +212,7 @@ fn moved(before: &Identification, after: &Identification) -> Vec<Moved> {
 /// # Errors
 /// When the diagnosis fails or proposes no formula of this name.
 pub(crate) fn entries(
+    experiment: &crate::Experiment,
     problem: &Problem<'_>,
     id: &str,
     text: &FormulaText,
@@ -219,12 +221,16 @@ pub(crate) fn entries(
     if is_complete(&entry) {
         return Ok(vec![entry]);
     }
-    proposed(diagnosed(problem)?.formula, entry, text)
+    proposed(diagnosed(experiment, problem)?.formula, entry, text)
 }
 
 /// A diagnosis with the default options.
-pub(crate) fn diagnosed(problem: &Problem<'_>) -> Result<Diagnosis, DiagnoseError> {
-    diagnose_problem(problem, &trunnion_engine::diagnosis::Options::default())
+pub(crate) fn diagnosed(
+    experiment: &crate::Experiment,
+    problem: &Problem<'_>,
+) -> Result<Diagnosis, DiagnoseError> {
+    let work = || diagnose_problem(problem, &trunnion_engine::diagnosis::Options::default());
+    experiment.kept().answer("diagnosis", (problem.model(), &()), work)
 }
 
 /// True for what can be added as it is.

@@ -2,6 +2,7 @@
 
 use crate::analysis::diagnosed;
 use crate::{Error, Experiment, Fit};
+use std::convert::Infallible;
 use std::sync::Arc;
 use trunnion_core::chain;
 use trunnion_core::number::plain;
@@ -46,7 +47,7 @@ impl Diagnosed {
     pub(crate) fn without_plan(fit: &Fit) -> Result<Self, Error> {
         let implausible = fit.experiment().plausibility();
         let diagnosis = match implausible.is_empty() {
-            true => diagnosed(&fit.problem())?,
+            true => diagnosed(fit.experiment(), &fit.problem())?,
             false => Diagnosis::not_judged(&fit.problem(), results::sentences::not_plausible(&implausible)),
         };
         Ok(Self { fit: fit.clone(), diagnosis: Arc::new(diagnosis) })
@@ -63,9 +64,16 @@ impl Diagnosed {
 
     /// With the cycle that separates what is confused.
     pub(crate) fn planned(self) -> Self {
-        let mut diagnosis = self.diagnosis().clone();
-        next_cycle::advise(&self.fit.problem(), &mut diagnosis, &next_cycle::Options::default());
-        Self { fit: self.fit, diagnosis: Arc::new(diagnosis) }
+        let (diagnosis, problem) = (self.diagnosis(), self.fit.problem());
+        let advised = || {
+            let mut diagnosis = diagnosis.clone();
+            next_cycle::advise(&problem, &mut diagnosis, &next_cycle::Options::default());
+            Ok::<_, Infallible>(diagnosis.next_cycle)
+        };
+        let Ok(next_cycle) =
+            self.fit.experiment().kept().answer("next cycle", (problem.model(), diagnosis), advised);
+        let diagnosis = Arc::new(Diagnosis { next_cycle, ..diagnosis.clone() });
+        Self { diagnosis, ..self }
     }
 
     /// The same diagnosis said of another fit.

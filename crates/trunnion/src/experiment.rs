@@ -2,16 +2,19 @@
 
 mod read;
 
+use crate::kept::Kept;
 use crate::recording::Recording;
 use crate::{Error, Model, completeness, identity, timing};
 use read::{OfFile, Runs};
 pub use read::{read, read_points};
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use trunnion_core::Point;
 use trunnion_cycles::Run;
-use trunnion_engine::ExperimentError;
+use trunnion_effects as effects;
 use trunnion_engine::plausibility::{Asked, Implausible, asked, not_asked, unlike};
+use trunnion_engine::{ExperimentError, Identification, KnownFits};
 use trunnion_machine::{Machine, NamePlate};
 use trunnion_results as results;
 use trunnion_sync::blocks::Limits;
@@ -34,6 +37,8 @@ struct Opened {
     complete: results::Complete,
     not_whole: Option<results::Plausibility>,
     doubts: Vec<results::Doubt>,
+    /// Digest of the points.
+    digest: OnceLock<String>,
 }
 
 /// Opens one run: a recording (`.mcap`), or a points file (`.csv`) with its `setup.toml` next to it.
@@ -94,6 +99,22 @@ fn nothing_left(none: ExperimentError, files: &[OfFile]) -> Error {
     }
 }
 
+impl KnownFits for Experiment {
+    fn fit(&self, model: &effects::Model) -> Option<Identification> {
+        self.kept().fit(model)
+    }
+
+    fn made(&self, model: &effects::Model, fit: &Identification) {
+        self.kept().made(model, fit);
+    }
+}
+
+impl fmt::Debug for Experiment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Experiment").field(&self.points().runs).finish()
+    }
+}
+
 impl Experiment {
     /// Recordings as read, each with its path.
     ///
@@ -114,8 +135,19 @@ impl Experiment {
         let points = trunnion_engine::Experiment::new(&runs)
             .map_err(|none| nothing_left(none, &files))?
             .of_means(&readings);
-        let (asked, unlike) = (OnceLock::new(), OnceLock::new());
-        let opened = Opened { runs, plate, points, files, read, asked, unlike, complete, not_whole, doubts };
+        let opened = Opened {
+            runs,
+            plate,
+            points,
+            files,
+            read,
+            asked: OnceLock::new(),
+            unlike: OnceLock::new(),
+            complete,
+            not_whole,
+            doubts,
+            digest: OnceLock::new(),
+        };
         Ok(Self { opened: Arc::new(opened) })
     }
 
@@ -137,6 +169,11 @@ impl Experiment {
     /// Points, rows and columns of the runs together.
     pub fn points(&self) -> &trunnion_engine::Experiment {
         &self.opened.points
+    }
+
+    /// What was worked out of these points.
+    pub(crate) fn kept(&self) -> Kept<'_> {
+        Kept { points: self.points(), digest: &self.opened.digest }
     }
 
     /// True for the same readings at the same positions, also where they were opened twice.

@@ -6,7 +6,6 @@ use std::sync::{Arc, OnceLock};
 use trunnion_effects as effects;
 use trunnion_effects::Instance;
 use trunnion_effects::catalogue::BASE;
-use trunnion_engine::fit::Options;
 use trunnion_engine::{BetweenRuns, Identification, IdentifyError, Problem, doubts, next_cycle};
 use trunnion_results as results;
 use trunnion_results::number::finite;
@@ -28,8 +27,8 @@ impl Experiment {
     /// # Errors
     /// A model that does not suit machine or runs, or a fit that does not converge.
     pub fn fit(&self, model: &Model) -> Result<Fit, Error> {
-        let fitted = trunnion_engine::identify(self.points(), model.entries(), &Options::default())
-            .map_err(|error| self.with_doubt(error))?;
+        let fitted = Problem::known(self.points(), model.entries(), self);
+        let fitted = fitted.map_err(|error| self.with_doubt(error))?.into_fit();
         Ok(Fit::of(self, model.clone(), fitted))
     }
 
@@ -98,7 +97,8 @@ impl Fit {
 
     /// The fit as a problem of the engine, for what starts from it.
     pub(crate) fn problem(&self) -> Problem<'_> {
-        Problem::of_fit(self.experiment.points(), self.model.entries(), self.identification())
+        let problem = Problem::of_fit(self.experiment.points(), self.model.entries(), self.identification());
+        problem.knowing(&self.experiment)
     }
 
     /// The fit in `trunnion-identification/1`; [`Self::identified`] is the whole answer.
@@ -162,7 +162,7 @@ impl Fit {
     pub fn plan(&self, rivals: &[String]) -> Result<Option<results::Plan>, Error> {
         let (problem, options) = (self.problem(), next_cycle::Options::default());
         let plan = if rivals.is_empty() {
-            next_cycle::next(&problem, &diagnosed(&problem)?, &options)?
+            next_cycle::next(&problem, &diagnosed(self.experiment(), &problem)?, &options)?
         } else {
             let rivals = next_cycle::rivals_named(rivals, self.experiment.machine())
                 .map_err(next_cycle::PlanError::from)?;

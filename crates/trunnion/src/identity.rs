@@ -1,10 +1,13 @@
-//! Which recording this is: its digest, its machine, how and when it was measured, as far as it says.
+//! Which recording this is: its digest, its machine, how and when it was measured, as far as it says. And which program.
 
-use crate::{Error, moment, recorded};
+use crate::{Error, moment, page, recorded};
 use sha2::{Digest, Sha256};
+use std::fmt::{Debug, Write};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::OnceLock;
+use std::time::UNIX_EPOCH;
 use trunnion_core::{InstrumentKind, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_record::RunHeader;
@@ -52,6 +55,31 @@ pub fn sha256(path: &Path) -> Result<String, Error> {
 /// The same of what is in memory.
 pub(crate) fn sha256_of(bytes: &[u8]) -> String {
     hexadecimal(Sha256::new().chain_update(bytes))
+}
+
+/// The same of a value as `Debug` shows it: all its fields, numbers to the bit.
+pub(crate) fn sha256_of_shown(value: &impl Debug) -> String {
+    struct Digested(Sha256);
+    impl Write for Digested {
+        fn write_str(&mut self, text: &str) -> std::fmt::Result {
+            self.0.update(text);
+            Ok(())
+        }
+    }
+    let mut shown = Digested(Sha256::new());
+    write!(shown, "{value:?}").expect("a digest takes everything");
+    hexadecimal(shown.0)
+}
+
+/// The program, build by build: two of one version may differ in a figure. `None` where its file is gone, as after an update.
+pub(crate) fn program() -> Option<&'static str> {
+    static PROGRAM: OnceLock<Option<String>> = OnceLock::new();
+    let build = || {
+        let about = std::env::current_exe().and_then(|program| program.metadata()).ok()?;
+        let written = about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+        Some(format!("{}, {} bytes of {}", page::label(), about.len(), written.as_nanos()))
+    };
+    PROGRAM.get_or_init(build).as_deref()
 }
 
 fn hexadecimal(digest: Sha256) -> String {

@@ -35,7 +35,9 @@ impl Fit {
     pub fn add_as(&self, effect: &str, text: &FormulaText) -> Result<Step, Error> {
         let entries = &self.model().entries().effects;
         match entries.iter().position(|entry| entry.id == effect) {
-            None => Step::of(self, effect, analysis::entries(&self.problem(), effect, text)?),
+            None => {
+                Step::of(self, effect, analysis::entries(self.experiment(), &self.problem(), effect, text)?)
+            }
             Some(at) => Step::of_held(self, at, written_by_hand(&entries[at], text)?),
         }
     }
@@ -48,7 +50,7 @@ impl Fit {
     pub fn remove(&self, effect: &str, date: &str, by: Option<&str>) -> Result<Self, Error> {
         self.model().is_of(self.experiment().runs())?;
         let entries = self.model().entries();
-        let (smaller, fit) = analysis::remove(self.experiment().points(), entries, effect, date)?;
+        let (smaller, fit) = analysis::remove(self.experiment(), entries, effect, date)?;
         let held = |id: &str| smaller.effects.iter().any(|entry| entry.id == id);
         let gone: Vec<&ModelEffect> = entries.effects.iter().filter(|old| !held(&old.id)).collect();
         let act = gone.first().map_or(effect, |entry| entry.added_as());

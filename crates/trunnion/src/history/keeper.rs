@@ -1,13 +1,11 @@
 //! What was worked out of runs is kept next to the last of them, `NAME.history.jsonl`, and taken again as long as it is of the same: the
 //! contents of every recording, the model, the build of the program.
 
-use crate::{Error, Model, files, identity, page};
+use crate::{Error, Model, files, identity};
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
-use std::time::UNIX_EPOCH;
 use trunnion_results::to_json_line;
 
 const ENDING: &str = "history.jsonl";
@@ -128,7 +126,8 @@ impl<'a> Keeper<'a> {
         }
         let base = Model::base(&machine);
         let model = model.unwrap_or(&base).text();
-        let of = serde_json::to_string(&Of { program: program(), kind, runs: of_runs, model }).ok()?;
+        let of =
+            serde_json::to_string(&Of { program: identity::program()?, kind, runs: of_runs, model }).ok()?;
         let last = runs.last()?.first()?;
         Some(Place { path: last.with_extension(ENDING), of: identity::sha256_of(of.as_bytes()) })
     }
@@ -169,19 +168,6 @@ impl Place {
 /// What a line is of; `None` for one that was cut.
 fn of_line(line: &str) -> Option<String> {
     serde_json::from_str::<Line<IgnoredAny>>(line).ok().map(|line| line.of)
-}
-
-/// The program, build by build: two of one version may differ in a figure.
-fn program() -> &'static str {
-    static PROGRAM: OnceLock<String> = OnceLock::new();
-    PROGRAM.get_or_init(|| {
-        let about = std::env::current_exe().and_then(|program| program.metadata()).ok();
-        let build = about.and_then(|about| {
-            let written = about.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
-            Some(format!("{} bytes of {}", about.len(), written.as_nanos()))
-        });
-        format!("{}, {}", page::label(), build.unwrap_or_default())
-    })
 }
 
 #[cfg(test)]
