@@ -10,6 +10,7 @@
 
 mod material;
 mod measure;
+mod questions;
 
 use material::{at_rest, on_the_fly, run};
 use measure::{cpu_s, peak_mib, yardstick_s};
@@ -35,7 +36,7 @@ struct Work {
     prepare: fn(&Path) -> Box<dyn FnOnce() -> String>,
 }
 
-const WORKS: [Work; 13] = [
+const WORKS: [Work; 15] = [
     Work {
         name: "fit-1e5",
         about: "fit of the base model to 10⁵ samples on the fly, each a point",
@@ -66,6 +67,21 @@ const WORKS: [Work; 13] = [
         about: "diagnosis of 3000 points at rest",
         write: |_| {},
         prepare: |_| diagnosis(25, 30),
+    },
+    Work {
+        name: "questions-336",
+        about: "commands `compare`, `compare --try` and `add` of 336 points at rest, where nothing is kept",
+        write: |folder| write(folder, &grid_336()),
+        prepare: questions::asked,
+    },
+    Work {
+        name: "questions-336-kept",
+        about: "the same commands once more, where what they worked out was kept",
+        write: |folder| {
+            write(folder, &grid_336());
+            questions::kept(folder)();
+        },
+        prepare: questions::kept,
     },
     Work {
         name: "journal-1e7",
@@ -243,6 +259,15 @@ fn read_points(folder: &Path) -> Box<dyn FnOnce() -> String> {
 
 /// A grid of so many stations of B and C, both ways, in two setups.
 fn diagnosis(tilts: u32, turns: u32) -> Box<dyn FnOnce() -> String> {
+    let run = grid_run(tilts, turns);
+    Box::new(move || format!("{} points, first: {}", run.points.len(), first_found(&run)))
+}
+
+fn grid_336() -> Run {
+    grid_run(7, 12)
+}
+
+fn grid_run(tilts: u32, turns: u32) -> Run {
     let machine = shipped::machine("table-bc").unwrap();
     let stations = |first_deg: f64, last_deg: f64, count: u32| grid::Stations {
         first_deg,
@@ -251,9 +276,7 @@ fn diagnosis(tilts: u32, turns: u32) -> Box<dyn FnOnce() -> String> {
         ends_deg: [first_deg, last_deg],
     };
     let (tilts, turns) = (stations(-90.0, 90.0, tilts), stations(0.0, 330.0, turns));
-    let run =
-        run(RunKind::Static, "gravity-sag:B", |setups| grid::stations_bc(&machine, setups, tilts, turns));
-    Box::new(move || format!("{} points, first: {}", run.points.len(), first_found(&run)))
+    run(RunKind::Static, "gravity-sag:B", |setups| grid::stations_bc(&machine, setups, tilts, turns))
 }
 
 /// The effect that a diagnosis puts first.
