@@ -1,6 +1,6 @@
 //! What can go wrong on the way from a path to an answer; the cause is chained.
 
-use crate::analysis::AnalysisError;
+use crate::analysis_error::AnalysisError;
 use std::path::{Path, PathBuf};
 use trunnion_core::Problems;
 use trunnion_cycles::VisitError;

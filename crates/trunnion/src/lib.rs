@@ -19,6 +19,7 @@
 
 mod analysed;
 mod analysis;
+mod analysis_error;
 mod compared;
 mod completeness;
 mod conformity;
@@ -55,7 +56,8 @@ pub mod timing;
 mod values;
 
 pub use analysed::Analysed;
-pub use analysis::{AnalysisError, FormulaText};
+pub use analysis::FormulaText;
+pub use analysis_error::AnalysisError;
 pub use compared::{Compared, Trial};
 pub use correction::Corrected;
 pub use diagnosed::Diagnosed;

@@ -4,9 +4,10 @@
 use crate::diagnosis::options::DiagnoseError;
 use crate::diagnosis::vocabulary::Vocabulary;
 use crate::evidence::{joined, orthonormal, turned};
+use crate::noise::learned::Real;
 use crate::noise::learned::mode::{Mode, Readings};
 use crate::noise::learned::remainder::{Fitted, Remainder};
-use crate::noise::learned::{Real, tails};
+use crate::noise::learned::sigma::NOTHING;
 use crate::problem::Problem;
 use crate::problem::credible::credible_columns;
 use crate::solve::logarithms::log_mean_exp;
@@ -101,7 +102,7 @@ impl<'a> Scan<'a> {
 
     /// Root mean square in units of a reading of what the model and `chosen` leave of the points that count, plain least squares.
     pub fn left(&self, chosen: &DMatrix<f64>) -> f64 {
-        let counts = |row: &usize| self.white[*row] < tails::NOTHING;
+        let counts = |row: &usize| self.white[*row] < NOTHING;
         let Remainder { base, y, unit_mm, .. } = &self.remainder;
         let rows: Vec<usize> = (0..y.len()).filter(counts).collect();
         let basis = orthonormal(&joined(base, chosen).select_rows(&rows));

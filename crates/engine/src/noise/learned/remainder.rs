@@ -5,6 +5,7 @@ use super::display::Display;
 use super::kernel::Kernel;
 use super::kernels::Kernels;
 use super::mode::{Effort, Mode, Readings};
+use super::sigma::NOTHING;
 use super::tails;
 use crate::Experiment;
 use crate::evidence::{joined, orthonormal};
@@ -117,7 +118,7 @@ impl<'a> Remainder<'a> {
 
     /// The noise with the columns of the model, with the weights of points that it asks for; near the mode, as sizes need it.
     pub fn learn(&self) -> Option<(Learned, Mode)> {
-        let of_point = |i: &usize| if self.used[*i] { 1.0 } else { tails::NOTHING };
+        let of_point = |i: &usize| if self.used[*i] { 1.0 } else { NOTHING };
         let kernels = &self.kernels;
         let mut white = DVector::from_iterator(self.y.len(), kernels.point_of_row.iter().map(of_point));
         // What some points say may have no covariance of all: white noise that is nothing next to the rest.

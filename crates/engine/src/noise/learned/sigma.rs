@@ -4,13 +4,14 @@ use super::Real;
 use super::dense;
 use super::kernel::Over;
 use super::kernels::Kernels;
-use super::tails;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Above this sum of ρ² single precision no longer holds the factor: rounding grows with it, the white part stays 1.
 const SINGLE_PRECISION: f64 = 12.0;
+/// White variance of a point that is worth nothing, as a multiple.
+pub(crate) const NOTHING: f64 = 1e4;
 
 /// Σ⁻¹ and ln det Σ at x = (ln s, ln ρ_k).
 pub(crate) struct Sigma {
@@ -41,7 +42,7 @@ impl Sigma {
             let mut relative = relative.cast::<f64>();
             (dense::factor(&mut relative)?, dense::inverse(relative)?.cast::<Real>())
         };
-        let rows = white.iter().filter(|white| **white < tails::NOTHING).count();
+        let rows = white.iter().filter(|white| **white < NOTHING).count();
         inverse *= (-2.0 * x[0]).exp() as Real;
         let white = x[0].exp() * (1.0 + squares(true)).sqrt();
         Some(Self { x: x.to_vec(), white, inverse, rows, log_det: log_det + 2.0 * rows as f64 * x[0] })

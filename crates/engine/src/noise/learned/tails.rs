@@ -5,6 +5,7 @@
 
 use super::kernels::Kernels;
 use super::mode::Mode;
+use super::sigma::NOTHING;
 use nalgebra::DVector;
 use std::ops::Range;
 use trunnion_core::statistics::upper_median;
@@ -20,8 +21,6 @@ const WILD: f64 = 3.2;
 const WORTHLESS: f64 = 8.0;
 /// Parts of two visits of a pose that differ by less than this share of theirs are one: by chance two of three components do so once in 60.
 const ALIKE: f64 = 0.5;
-/// White variance of a point that is worth nothing, as a multiple.
-pub(crate) const NOTHING: f64 = 1e4;
 
 /// Multiples of the white variance of every row; `None` where the tails are those of a normal law.
 pub(crate) fn weights(
