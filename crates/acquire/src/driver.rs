@@ -11,6 +11,7 @@ use std::fmt::Debug;
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::Arc;
+use std::time::Duration;
 use trunnion_core::Role;
 use trunnion_core::input::Table;
 
@@ -28,6 +29,10 @@ pub trait Device: Debug + Send + Sync {
     /// What the channel with the role bar shows at the length of the bar, mm, where the configuration says it; what it reads
     /// counts from there.
     fn bar_zero_mm(&self) -> Option<f64> {
+        None
+    }
+    /// Time between two questions for a displacement, where the configuration says it.
+    fn asked_every(&self) -> Option<Duration> {
         None
     }
     /// Port or address, for messages and to find two devices on one port.

@@ -29,5 +29,6 @@ mod recording;
 mod refused;
 pub mod run_record;
 pub mod set_up;
+pub mod slow_probes;
 mod stamp;
 pub mod storage;

@@ -12,6 +12,7 @@ mod axes;
 
 pub use axes::{AxisState, ReversalBand};
 
+use crate::interval::{Interval, USUAL_GAP_S};
 use axes::AxisHistory;
 use std::collections::VecDeque;
 use trunnion_core::{AxisSample, ProbeSample};
@@ -21,9 +22,9 @@ use trunnion_core::{AxisSample, ProbeSample};
 pub struct AlignLimits {
     /// Longest distance of two axis samples to interpolate between, s.
     pub axis_gap_s: f64,
-    /// Longest distance of two samples of one channel to interpolate between, s.
+    /// Longest distance of two samples of one channel to interpolate between, s; longer for a channel that is read more slowly.
     pub probe_gap_s: f64,
-    /// Longest wait for a source that lags behind the others, s.
+    /// Longest wait for a source that lags behind the others, s; longer for a channel that is read more slowly.
     pub wait_s: f64,
     /// Motion that counts as a reversal.
     pub reversal: ReversalBand,
@@ -31,7 +32,7 @@ pub struct AlignLimits {
 
 impl Default for AlignLimits {
     fn default() -> Self {
-        Self { axis_gap_s: 0.75, probe_gap_s: 0.05, wait_s: 1.0, reversal: ReversalBand::default() }
+        Self { axis_gap_s: 0.75, probe_gap_s: USUAL_GAP_S, wait_s: 1.0, reversal: ReversalBand::default() }
     }
 }
 
@@ -121,7 +122,7 @@ impl Aligner {
             match (sample_s, axes_s) {
                 (None, None) => return,
                 (Some(sample_s), axes_s) if axes_s.is_none_or(|axes_s| sample_s <= axes_s) => {
-                    let overdue = at_end || self.newest_s - sample_s > self.limits.wait_s;
+                    let overdue = at_end || self.newest_s - sample_s > self.wait_s();
                     if !overdue && !self.is_known_around(sample_s) {
                         return;
                     }
@@ -129,7 +130,7 @@ impl Aligner {
                 }
                 (sample_s, Some(axes_s)) => {
                     // Without a later probe sample one may still come that belongs before these axes.
-                    let overdue = at_end || self.newest_s - axes_s > self.limits.wait_s;
+                    let overdue = at_end || self.newest_s - axes_s > self.wait_s();
                     if sample_s.is_none() && !overdue && self.probes[0].newest_s() < axes_s {
                         return;
                     }
@@ -139,6 +140,12 @@ impl Aligner {
                 (Some(_), None) => unreachable!("the first arm takes every sample without axes"),
             }
         }
+    }
+
+    /// The samples of a channel come no sooner than it is read.
+    fn wait_s(&self) -> f64 {
+        let of = |wait_s: f64, series: &Series| series.interval.longest_gap_s(wait_s);
+        self.probes.iter().fold(self.limits.wait_s, of)
     }
 
     fn is_known_around(&self, time_s: f64) -> bool {
@@ -173,6 +180,7 @@ impl Aligner {
 struct Series {
     waiting: VecDeque<(f64, f64)>,
     newest_s: Option<f64>,
+    interval: Interval,
 }
 
 /// 4 s at 4 kHz.
@@ -185,6 +193,7 @@ impl Series {
             return false;
         }
         self.newest_s = Some(time_s);
+        self.interval.push(time_s);
         self.waiting.push_back((time_s, value_mm));
         if self.waiting.len() > MAX_WAITING {
             self.waiting.pop_front();
@@ -197,7 +206,8 @@ impl Series {
     }
 
     /// Linear between the samples around; drops what is older.
-    fn at(&mut self, time_s: f64, longest_s: f64) -> f64 {
+    fn at(&mut self, time_s: f64, least_s: f64) -> f64 {
+        let longest_s = self.interval.longest_gap_s(least_s);
         while self.waiting.get(1).is_some_and(|&(next_s, _)| next_s <= time_s) {
             self.waiting.pop_front();
         }

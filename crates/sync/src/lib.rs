@@ -10,6 +10,7 @@ pub mod clock;
 pub mod cycle_bounds;
 mod cycle_event;
 pub mod forming;
+mod interval;
 pub mod jog;
 pub mod nest;
 pub mod plan;

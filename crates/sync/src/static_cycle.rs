@@ -139,7 +139,7 @@ impl StaticCycle {
 
     /// Finds the pose the machine stands at and decides its point when it is time.
     fn read(&mut self, state: &AxisState, events: &mut Vec<CycleEvent>) {
-        let timed_out = state.time_s - self.dwell.began_s() >= self.rules.settle.timeout_s;
+        let timed_out = state.time_s - self.dwell.began_s() >= self.dwell.timeout_s();
         let Some(ahead) = self.find_pose(&state.position) else {
             if !std::mem::replace(&mut self.reported_unknown, true) {
                 let time_s = self.dwell.began_s();
@@ -195,7 +195,7 @@ impl StaticCycle {
         }
         self.served = false;
         self.reported_unknown = false;
-        self.dwell = Dwell::new(&self.rules);
+        self.dwell = self.dwell.next();
     }
 
     /// Between two setups a person mounts the nest again; that may take long.

@@ -23,6 +23,7 @@ pub use rules::SweepRules;
 use crate::align::{Aligned, AxisState};
 use crate::blocks::UNIT;
 use crate::cycle_event::Progress;
+use crate::interval::Interval;
 use crate::nest::NestCalibration;
 use course::nearest_turn;
 use nalgebra::Vector3;
@@ -44,6 +45,8 @@ pub struct SweepCycle {
     calibration: NestCalibration,
     temperature_degc: Vec<f64>,
     pace: Pace,
+    /// How often the probes are read.
+    interval: Interval,
     /// Samples whose surroundings are not yet known; the alignment gives none without a position after it.
     waiting: VecDeque<(AxisState, [f64; 3])>,
     block: Vec<Sample>,
@@ -80,6 +83,7 @@ impl SweepCycle {
             calibration,
             temperature_degc: vec![f64::NAN; temperature_channels],
             pace: Pace::default(),
+            interval: Interval::default(),
             waiting: VecDeque::new(),
             block: Vec::new(),
             block_pass: 0,
@@ -138,6 +142,7 @@ impl SweepCycle {
 
     /// The next sample; the point that it closes.
     fn take(&mut self, mut state: AxisState, channels_mm: [f64; 3]) -> Option<Point> {
+        self.interval.push(state.time_s);
         self.pace.forget_before(state.time_s);
         let Some(motion) = self.pace.motion(state.time_s) else { return self.close() };
         (state.velocity, state.acceleration) = (motion.velocity, motion.acceleration);
@@ -175,10 +180,11 @@ impl SweepCycle {
             let here = angle + self.turns_rad;
             let (low, high) = self.rules.span();
             let (begin, end) = if feed > 0.0 { (low, high) } else { (high, low) };
+            let longest_s = self.interval.longest_gap_s(self.rules.sample_gap_s);
             let goes_on = self.last_at_feed.is_some_and(|(last_feed, last, last_s)| {
                 last_feed == feed
                     && (here - last).abs() < GOES_ON_RAD
-                    && ((end - last).abs() > GOES_ON_RAD || time_s - last_s <= self.rules.sample_gap_s)
+                    && ((end - last).abs() > GOES_ON_RAD || time_s - last_s <= longest_s)
             });
             if !goes_on {
                 self.turns_rad = nearest_turn(angle, begin) - angle;
@@ -211,7 +217,7 @@ impl SweepCycle {
         let since_s = sample.state.time_s - first.state.time_s;
         let travel_rad = (sample.angle - first.angle).abs();
         pass == self.block_pass
-            && apart_s <= self.rules.sample_gap_s
+            && apart_s <= self.interval.longest_gap_s(self.rules.sample_gap_s)
             && since_s * self.rules.points_per_s < 1.0 - 1e-6
             && self.rules.points_per_s > 0.0
             && travel_rad < LONGEST_UNITS * UNIT[Joint::C]

@@ -50,6 +50,10 @@ impl Device for Settings {
         self.bar_zero_mm
     }
 
+    fn asked_every(&self) -> Option<Duration> {
+        (self.role != Role::Temperature).then_some(self.poll)
+    }
+
     fn address(&self) -> &str {
         &self.port
     }

@@ -15,6 +15,7 @@ use crate::session_end::SessionEnd;
 use adapter::OpenAdapter;
 use std::convert::Infallible;
 use std::sync::Arc;
+use std::time::Duration;
 use trunnion_core::Role;
 use trunnion_core::input::Table;
 use trunnion_protocol::slcan::Bitrate;
@@ -57,6 +58,10 @@ impl Device for CanopenSlcan {
 
     fn bar_zero_mm(&self) -> Option<f64> {
         self.network.bar_zero_mm()
+    }
+
+    fn asked_every(&self) -> Option<Duration> {
+        Some(self.network.sync_period())
     }
 
     fn address(&self) -> &str {

@@ -82,6 +82,10 @@ impl Device for CanopenSocketcan {
         self.network.bar_zero_mm()
     }
 
+    fn asked_every(&self) -> Option<Duration> {
+        Some(self.network.sync_period())
+    }
+
     fn address(&self) -> &str {
         &self.interface
     }

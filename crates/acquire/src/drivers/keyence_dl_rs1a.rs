@@ -103,6 +103,10 @@ impl Device for DlRs1a {
         self.heads.iter().find_map(|head| head.bar_zero_mm)
     }
 
+    fn asked_every(&self) -> Option<Duration> {
+        Some(self.poll)
+    }
+
     fn address(&self) -> &str {
         &self.port
     }

@@ -11,3 +11,4 @@ mod section;
 mod serial;
 mod sessions;
 mod shop;
+mod whole_cycle;

@@ -1,7 +1,7 @@
-//! Sessions under their supervisor, time bases, alignment and a whole cycle on a floor of virtual devices.
+//! Sessions under their supervisor, time bases and alignment on a floor of virtual devices.
 
 use crate::shop::{
-    LIMIT, PROGRAM, SinceStart, deflection_mm, gap_of_the_next_connection, next, program, read_queued, state,
+    LIMIT, PROGRAM, SinceStart, deflection_mm, gap_of_the_next_connection, next, read_queued, state,
     state_of, turning, until_message,
 };
 use std::collections::BTreeMap;
@@ -9,31 +9,29 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use trunnion_acquire::supervisor::QUEUE_LENGTH;
 use trunnion_acquire::{Acquisition, DeviceState, SessionEnd};
-use trunnion_core::axis::iso::{B, C, X, Y, Z};
+use trunnion_core::HostTime;
+use trunnion_core::axis::iso::{B, C, X};
 use trunnion_core::reading::{Execution, Message, ProbeReading, Reading};
-use trunnion_core::{AxisValues, HostTime, Point, Quality};
-use trunnion_cycles::cycle::{Pose, Settle};
 use trunnion_hil_sim::devices::canopen::BusConfig;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
 use trunnion_hil_sim::devices::{DeviceClock, Fault, SimulatedCell, World, cell, orthogonal_nest};
-use trunnion_hil_sim::motion::Step;
 use trunnion_hil_sim::replies;
 use trunnion_sync::align::{AlignLimits, Aligner};
-use trunnion_sync::{CycleEvent, EndReason, StaticCycle, StaticRules, TimeBase, Timed};
+use trunnion_sync::{TimeBase, Timed};
 
 /// A whole floor of virtual devices.
-struct Floor {
+pub struct Floor {
     world: Arc<SimulatedCell>,
     cell: Cell,
-    directory: tempfile::TempDir,
-    clock: Arc<SinceStart>,
+    pub directory: tempfile::TempDir,
+    pub clock: Arc<SinceStart>,
 }
 
 async fn floor(change: impl FnOnce(&mut CellConfig)) -> Floor {
     floor_in(turning(), change).await
 }
 
-async fn floor_in(world: Arc<SimulatedCell>, change: impl FnOnce(&mut CellConfig)) -> Floor {
+pub async fn floor_in(world: Arc<SimulatedCell>, change: impl FnOnce(&mut CellConfig)) -> Floor {
     let directory = tempfile::tempdir().unwrap();
     let mut config = CellConfig::new(directory.path(), 1_767_225_600_000_000_000);
     change(&mut config);
@@ -43,14 +41,14 @@ async fn floor_in(world: Arc<SimulatedCell>, change: impl FnOnce(&mut CellConfig
 }
 
 impl Floor {
-    fn start(&self, text: &str, queue_length: usize) -> Acquisition {
+    pub fn start(&self, text: &str, queue_length: usize) -> Acquisition {
         let text = text.replace("{dir}", self.directory.path().to_str().unwrap());
         let url = self.cell.controller.as_ref().and_then(|agent| agent.url()).unwrap_or_default();
         read_queued(&text.replace("{url}", url), self.clock.clone(), queue_length)
     }
 }
 
-const PROBE: &str = r#"
+pub const PROBE: &str = r#"
 [[device]]
 name = "probe-1"
 driver = "optoncdt"
@@ -59,7 +57,7 @@ role = "probe-1"
 range_mm = 2
 "#;
 
-const AGENT: &str = r#"
+pub const AGENT: &str = r#"
 [[device]]
 name = "cnc"
 driver = "mtconnect"
@@ -279,92 +277,6 @@ async fn probes_and_axes_of_different_clocks_meet_at_one_instant() {
     errors.sort_by(f64::total_cmp);
     let worst_of_95 = errors[errors.len() * 95 / 100];
     assert!(worst_of_95 < 0.003, "{worst_of_95} mm");
-}
-
-/// Messages to events, as the daemon does it and as a replay does it.
-struct Pipeline {
-    base: TimeBase,
-    aligner: Aligner,
-    cycle: StaticCycle,
-}
-
-impl Pipeline {
-    fn new(poses: &[Pose]) -> Self {
-        let settle = Settle {
-            window_s: 0.5,
-            drift_mm: 1e-3,
-            noise_mm: 2e-3,
-            standstill_mm: 2e-3,
-            standstill_rad: 2e-5,
-            timeout_s: 5.0,
-        };
-        let rules = StaticRules::new(settle);
-        Self {
-            base: TimeBase::new(HostTime(0)),
-            aligner: Aligner::new(&[0, 1, 2], AlignLimits::default()),
-            cycle: StaticCycle::new(poses.to_vec(), rules, vec![], vec![X, Y, Z, B, C], 0),
-        }
-    }
-
-    fn push(&mut self, message: &Message) -> Vec<CycleEvent> {
-        let (mut steps, mut events) = (Vec::new(), Vec::new());
-        match self.base.translate(message) {
-            Some(Timed::Probe(sample)) => self.aligner.push_probe(&sample, &mut steps),
-            Some(Timed::Axes(sample)) => self.aligner.push_axes(&sample, &mut steps),
-            _ => {}
-        }
-        steps.iter().for_each(|step| self.cycle.push(step, &mut events));
-        events
-    }
-}
-
-#[tokio::test(flavor = "multi_thread")]
-async fn a_static_cycle_is_read_live_and_its_replay_gives_the_same_bytes() {
-    let at = |c: f64| {
-        let mut position = AxisValues::default();
-        (position[X], position[B], position[C]) = (100.0, 0.25, c);
-        position
-    };
-    let stations = [0.5, 1.0, 0.25];
-    let to = |c: f64| [Step::Move { target: at(c), duration_s: 0.4 }, Step::Dwell { duration_s: 1.4 }];
-    let steps = [Step::Dwell { duration_s: 1.0 }].into_iter().chain(stations.into_iter().flat_map(to));
-    let world = program(steps.collect());
-    let poses: Vec<Pose> = stations
-        .map(|c| Pose { setup: 0, target: 0, position: at(c), direction: AxisValues::default() })
-        .to_vec();
-    let floor = floor_in(world.clone(), |config| config.can = None).await;
-    let probes: String = (1..=3).map(|k| PROBE.replace("probe-1", &format!("probe-{k}"))).collect();
-    let mut acquisition = floor.start(&(probes + AGENT), QUEUE_LENGTH);
-
-    let (mut live, mut recorded, mut events) = (Pipeline::new(&poses), Vec::new(), Vec::new());
-    let begun = Instant::now();
-    while !matches!(events.last(), Some(CycleEvent::Ended { .. })) {
-        assert!(begun.elapsed() < LIMIT, "{events:?} {:?}", live.aligner.counts());
-        let message = next(&mut acquisition).await;
-        events.extend(live.push(&message));
-        recorded.push(message);
-    }
-    acquisition.stop().await;
-    assert!(matches!(events.last(), Some(CycleEvent::Ended { reason: EndReason::Complete, .. })));
-    let points: Vec<&Point> = events
-        .iter()
-        .filter_map(|event| match event {
-            CycleEvent::Point { point, .. } => Some(point),
-            _ => None,
-        })
-        .collect();
-    for (point, (c, direction)) in points.iter().zip([(0.5f64, 1.0), (1.0, 1.0), (0.25, -1.0)]) {
-        assert_eq!((point.quality, point.state.direction[C]), (Quality::Good, direction), "{point:?}");
-        let deflection = deflection_mm(c);
-        for (direction, measured) in orthogonal_nest().iter().zip(point.reading_mm) {
-            // One count of a sensor of 2 mm range is 31 nm.
-            let expected = 1.0 + (0..3).map(|k| direction[k] * deflection[k]).sum::<f64>();
-            assert!((measured - expected).abs() < 1e-4, "{measured} {expected}");
-        }
-    }
-    let mut replay = Pipeline::new(&poses);
-    let replayed: Vec<CycleEvent> = recorded.iter().flat_map(|message| replay.push(message)).collect();
-    assert_eq!(format!("{events:?}"), format!("{replayed:?}"));
 }
 
 /// Every reply of the start, each late, doubled, missing and together with the next: the probe streams in the end.

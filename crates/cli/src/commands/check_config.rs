@@ -15,7 +15,9 @@ use trunnion_core::Secret;
 use trunnion_core::input::Document;
 use trunnion_core::secret::holds_secret;
 use trunnion_service::config::Config;
+use trunnion_service::cycles::Choice;
 use trunnion_service::page::Access;
+use trunnion_service::slow_probes::too_slow;
 
 /// Check a configuration and what it names
 ///
@@ -38,6 +40,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let named = secret_files(&prepared.config).into_iter().filter_map(|file| open_secret(&file));
     let remarks = open_to_others(&args.config, &prepared.config.text)?.into_iter().chain(named);
     remarks.for_each(|remark| terminal::remark(&remark));
+    let slow = |choice: &Choice| too_slow(&prepared.config.devices, &choice.plan);
+    prepared.cycles.all().filter_map(slow).for_each(|remark| terminal::remark(&remark));
     if let Some(lan) = prepared.config.page.as_ref().and_then(|page| page.lan.as_ref()) {
         Access::of_lan(lan).context("[page] cannot let other computers in")?;
     }

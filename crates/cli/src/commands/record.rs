@@ -17,6 +17,7 @@ use trunnion_service::cycles::Choice;
 use trunnion_service::daemon::{self, NewRun, Recorded, Report};
 use trunnion_service::latest::{Latest, Mounted, Readiness};
 use trunnion_service::live::{Live, check};
+use trunnion_service::slow_probes::too_slow;
 use trunnion_service::storage::FolderLock;
 
 /// Record one cycle, analyse it, and end
@@ -68,6 +69,9 @@ async fn record(config: &Config, choice: &Choice, clock: Arc<dyn Clock>) -> anyh
     let name = daemon::run_name(&config.recordings, &plan.cycle.name, clock.wall_ns());
     let mut live = Live::start(config.devices.clone(), bounds, clock, cancel);
     live.latest().set_mounted(Mounted::of(plan));
+    if let Some(slow) = too_slow(&config.devices, plan) {
+        terminal::remark(&slow);
+    }
     terminal::remark(&format!("waiting for {}", config.cycle_start.about()));
     let ready = tokio::spawn(say_readiness(live.latest().clone(), needed));
     let start = live.wait_for_start().await.context("stopped before the cycle began");

@@ -2,11 +2,11 @@
 
 use super::StaticRules;
 use crate::align::AxisState;
+use crate::interval::Interval;
 use crate::nest::NestCalibration;
 use std::collections::VecDeque;
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, median};
 use trunnion_core::{AxisValues, Joint};
-use trunnion_cycles::cycle::Settle;
 
 /// A stationary machine this long (at most half a window) dwells, s.
 const ARRIVAL_S: f64 = 0.2;
@@ -33,10 +33,10 @@ struct Reading {
 /// Axes and probes since the machine last moved.
 #[derive(Clone, Debug)]
 pub(super) struct Dwell {
-    settle: Settle,
-    sample_gap_s: f64,
-    fewest_samples: usize,
+    rules: StaticRules,
     arrival_s: f64,
+    /// How often the probes are read.
+    interval: Interval,
     /// Axis states of the last window.
     axes: VecDeque<AxisState>,
     /// Samples of the last window.
@@ -51,10 +51,9 @@ pub(super) struct Dwell {
 impl Dwell {
     pub(super) fn new(rules: &StaticRules) -> Self {
         Self {
-            settle: rules.settle,
-            sample_gap_s: rules.sample_gap_s,
-            fewest_samples: rules.fewest_samples.max(2),
+            rules: *rules,
             arrival_s: ARRIVAL_S.min(rules.settle.window_s / 2.0),
+            interval: Interval::default(),
             axes: VecDeque::new(),
             samples: VecDeque::new(),
             still_since_s: f64::INFINITY,
@@ -63,10 +62,29 @@ impl Dwell {
         }
     }
 
+    /// The next dwell, of the same probes.
+    pub(super) fn next(&self) -> Self {
+        Self { interval: self.interval, ..Self::new(&self.rules) }
+    }
+
+    fn window_s(&self) -> f64 {
+        self.rules.window_s(self.interval.usual_s())
+    }
+
+    fn fewest_samples(&self) -> usize {
+        self.rules.fewest_samples.max(2)
+    }
+
+    /// How long a dwell may settle, s: longer by what its window is longer.
+    pub(super) fn timeout_s(&self) -> f64 {
+        self.rules.settle.timeout_s + self.window_s() - self.rules.settle.window_s
+    }
+
     /// Keeps a sample; it counts once axis states on both sides show that the machine stood.
     pub(super) fn push_sample(&mut self, time_s: f64, channels_mm: [f64; 3]) {
+        self.interval.push(time_s);
         self.samples.push_back(Reading { time_s, channels_mm });
-        let from_s = self.now_s().unwrap_or(time_s) - self.settle.window_s - TIME_SLACK_S;
+        let from_s = self.now_s().unwrap_or(time_s) - self.window_s() - TIME_SLACK_S;
         while self.samples.front().is_some_and(|old| old.time_s < from_s) {
             self.samples.pop_front();
         }
@@ -81,7 +99,7 @@ impl Dwell {
         let was_standing = self.is_stationary();
         self.still_since_s = self.still_since_with(state, letters);
         self.axes.push_back(*state);
-        let from_s = state.time_s - self.settle.window_s;
+        let from_s = state.time_s - self.window_s();
         while self.axes.get(1).is_some_and(|second| second.time_s <= from_s) {
             self.axes.pop_front();
         }
@@ -108,7 +126,7 @@ impl Dwell {
     }
 
     fn limit(&self, letter: Joint) -> f64 {
-        if letter.is_rotary() { self.settle.standstill_rad } else { self.settle.standstill_mm }
+        if letter.is_rotary() { self.rules.settle.standstill_rad } else { self.rules.settle.standstill_mm }
     }
 
     pub(super) fn is_stationary(&self) -> bool {
@@ -136,7 +154,7 @@ impl Dwell {
     /// Samples of the window that ends now and lies in this dwell, behind what was read.
     fn window(&self) -> impl Iterator<Item = &Reading> + Clone {
         let now_s = self.now_s().unwrap_or(f64::NEG_INFINITY);
-        let from_s = (now_s - self.settle.window_s).max(self.still_since_s).max(self.read_until_s);
+        let from_s = (now_s - self.window_s()).max(self.still_since_s).max(self.read_until_s);
         let inside = move |time_s: f64| (from_s - TIME_SLACK_S..=now_s + TIME_SLACK_S).contains(&time_s);
         self.samples.iter().filter(move |sample| inside(sample.time_s))
     }
@@ -144,7 +162,7 @@ impl Dwell {
     /// True when a full window stood, is complete, and lies within the limits of drift and noise.
     pub(super) fn is_settled(&self) -> bool {
         let Some(now_s) = self.now_s() else { return false };
-        let from_s = now_s - self.settle.window_s;
+        let from_s = now_s - self.window_s();
         if from_s < self.still_since_s.max(self.read_until_s) - TIME_SLACK_S {
             return false;
         }
@@ -152,19 +170,20 @@ impl Dwell {
         let times = std::iter::once(from_s)
             .chain(samples.iter().map(|sample| sample.time_s))
             .chain(std::iter::once(now_s));
-        let complete = times.clone().zip(times.skip(1)).all(|(a, b)| b - a <= self.sample_gap_s);
+        let longest_s = self.interval.longest_gap_s(self.rules.sample_gap_s);
+        let complete = times.clone().zip(times.skip(1)).all(|(a, b)| b - a <= longest_s);
         let finite = samples.iter().all(|sample| sample.channels_mm.iter().all(|mm| mm.is_finite()));
-        if samples.len() < self.fewest_samples || !complete || !finite {
+        if samples.len() < self.fewest_samples() || !complete || !finite {
             return false;
         }
-        let half_s = now_s - self.settle.window_s / 2.0;
+        let half_s = now_s - self.window_s() / 2.0;
         let half = samples.partition_point(|sample| sample.time_s < half_s);
         (0..3).all(|k| {
             let values: Vec<f64> = samples.iter().map(|sample| sample.channels_mm[k]).collect();
             let (_, spread) = median_and_spread(&values);
             let (first, _) = median_and_spread(&values[..half]);
             let (second, _) = median_and_spread(&values[half..]);
-            (second - first).abs() <= self.settle.drift_mm && spread <= self.settle.noise_mm
+            (second - first).abs() <= self.rules.settle.drift_mm && spread <= self.rules.settle.noise_mm
         })
     }
 
@@ -175,7 +194,7 @@ impl Dwell {
             .map(|sample| (sample.time_s, calibration.reading_mm(sample.channels_mm).into()))
             .filter(|(_, reading): &(f64, [f64; 3])| reading.iter().all(|mm| mm.is_finite()))
             .collect();
-        if readings.len() < self.fewest_samples {
+        if readings.len() < self.fewest_samples() {
             return None;
         }
         let component = |k: usize| {

@@ -24,7 +24,6 @@ pub struct DwellReading {
 pub struct DwellReader {
     aligner: Aligner,
     steps: Vec<Aligned>,
-    rules: StaticRules,
     axes: Vec<Joint>,
     dwell: Dwell,
     served: bool,
@@ -37,7 +36,6 @@ impl DwellReader {
             aligner: Aligner::new(channels, AlignLimits::default()),
             steps: Vec::new(),
             dwell: Dwell::new(&rules),
-            rules,
             axes,
             served: false,
         }
@@ -61,7 +59,7 @@ impl DwellReader {
                 Some(channels_mm) => self.dwell.push_sample(step.state.time_s, channels_mm),
                 None => {
                     if self.dwell.is_left_by(&step.state, &self.axes) {
-                        (self.dwell, self.served) = (Dwell::new(&self.rules), false);
+                        (self.dwell, self.served) = (self.dwell.next(), false);
                     }
                     self.dwell.push_axes(&step.state, &self.axes);
                     out.extend(self.settled());

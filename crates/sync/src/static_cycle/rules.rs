@@ -1,5 +1,6 @@
 //! When a pose counts as reached.
 
+use crate::interval::USUAL_GAP_S;
 use trunnion_core::{AxisValues, Joint};
 use trunnion_cycles::cycle::{Pose, Settle};
 
@@ -12,9 +13,9 @@ pub struct StaticRules {
     pub near_mm: f64,
     /// Largest distance of a rotary axis from the pose, rad.
     pub near_rad: f64,
-    /// Longest distance of two samples inside a window, s.
+    /// Longest distance of two samples inside a window, s; longer for probes that are read more slowly.
     pub sample_gap_s: f64,
-    /// Fewest samples of a point.
+    /// Fewest samples of a point. The window of probes that are read slowly is as long as these take.
     pub fewest_samples: usize,
     /// Standing longer than this with nothing left to read ends the cycle, s.
     pub end_after_still_s: f64,
@@ -27,10 +28,16 @@ impl StaticRules {
             settle,
             near_mm: 0.5,
             near_rad: 0.01,
-            sample_gap_s: 0.05,
+            sample_gap_s: USUAL_GAP_S,
             fewest_samples: 5,
             end_after_still_s: 120.0,
         }
+    }
+
+    /// Length of a window of probes that are read so often, s: at least that of the cycle file, and as long as the fewest samples and
+    /// one more take.
+    pub fn window_s(&self, interval_s: f64) -> f64 {
+        self.settle.window_s.max(interval_s * (self.fewest_samples.max(2) + 1) as f64)
     }
 
     /// For a cycle whose program waits so long between two rounds, s: that standing still is not its end.

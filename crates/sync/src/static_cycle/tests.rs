@@ -33,6 +33,11 @@ struct Shop<'a> {
 impl Shop<'_> {
     /// Aligned steps at 1 kHz and 100 Hz.
     fn run(&self) -> Vec<Aligned> {
+        self.read_every(1)
+    }
+
+    /// The same with probes that are read every so many ms.
+    fn read_every(&self, probe_ms: u32) -> Vec<Aligned> {
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         let mut aligner = Aligner::new(&[0, 1, 2], AlignLimits::default());
         let (mut out, mut ms, mut from) = (Vec::new(), 0u32, self.legs[0].c_rad - 0.5);
@@ -48,7 +53,8 @@ impl Shop<'_> {
                     aligner.push_axes(&sample, &mut out);
                 }
                 let values = (self.reading)(t, f64::from(step) * 1e-3 - 0.4, c);
-                for (channel, value) in (0u16..).zip(values) {
+                let probes_due = ms.is_multiple_of(probe_ms);
+                for (channel, value) in (0u16..).zip(values).filter(|_| probes_due) {
                     // uniform over ±√3·σ has the standard deviation σ
                     let value_mm = value + self.noise_mm * 3f64.sqrt() * (2.0 * rng.random::<f64>() - 1.0);
                     let time_s = t + 1e-5 * f64::from(channel);
@@ -172,6 +178,23 @@ fn what_never_settles_or_is_left_early_is_marked_and_kept() {
     let events = play(&mut cycle(&[0.0, 0.5]), &shaking);
     assert_eq!(qualities(&events), [Unsettled, Unsettled]);
     assert!(points(&events).iter().all(|point| point.samples > 400 && point.spread_mm[0] > 3e-3));
+}
+
+#[test]
+fn indicators_that_are_read_slowly_are_read_at_rest() {
+    let reading = |_: f64, _: f64, c: f64| [0.01 * c, -0.02, 0.03];
+    let check = |probe_ms: u32, stand_s: f64| {
+        let stations = [0.0, 0.5, 1.0];
+        let shop = Shop { legs: &legs(&stations, stand_s), reading: &reading, noise_mm: 0.1e-3 };
+        let events = play(&mut cycle(&stations), &shop.read_every(probe_ms));
+        assert_eq!(qualities(&events), [Good; 3], "every {probe_ms} ms");
+        for (point, c) in points(&events).iter().zip(stations) {
+            assert!((point.reading_mm[0] - 0.01 * c).abs() < 0.2e-3, "every {probe_ms} ms: {point:?}");
+            assert!(point.samples >= 5 && point.spread_mm[0] > 0.0, "every {probe_ms} ms: {point:?}");
+        }
+    };
+    [20, 49, 50, 60, 100, 200].into_iter().for_each(|probe_ms| check(probe_ms, 2.0));
+    [500, 1000, 2000].into_iter().for_each(|probe_ms| check(probe_ms, 9e-3 * f64::from(probe_ms)));
 }
 
 #[test]

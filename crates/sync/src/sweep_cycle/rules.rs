@@ -1,6 +1,7 @@
 //! Which samples of a cycle on the fly count.
 
 use super::pace::Motion;
+use crate::interval::USUAL_GAP_S;
 use trunnion_cycles::Cycle;
 use trunnion_cycles::cycle::{self, Sweep};
 
@@ -24,7 +25,7 @@ pub struct SweepRules {
     pub acceleration_limit: f64,
     /// Points a second after averaging; 0 keeps every sample.
     pub points_per_s: f64,
-    /// Longest distance of two samples in one point, s.
+    /// Longest distance of two samples in one point, s; longer for probes that are read more slowly.
     pub sample_gap_s: f64,
 }
 
@@ -45,7 +46,7 @@ impl SweepRules {
             feed_tolerance: 0.05,
             acceleration_limit: if slowest.is_finite() { slowest } else { 1.0 },
             points_per_s: 100.0,
-            sample_gap_s: 0.05,
+            sample_gap_s: USUAL_GAP_S,
         })
     }
 

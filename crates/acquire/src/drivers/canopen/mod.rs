@@ -71,6 +71,11 @@ impl Network {
         self.nodes.iter().map(|node| (format!("node-{}", node.id.get()), node.role)).collect()
     }
 
+    /// Time between two SYNCs.
+    pub(super) fn sync_period(&self) -> Duration {
+        self.sync_period
+    }
+
     /// What the bar shows at its length, mm, where the configuration says it.
     pub(super) fn bar_zero_mm(&self) -> Option<f64> {
         self.nodes.iter().find_map(|node| node.bar_zero_mm)
