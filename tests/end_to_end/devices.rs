@@ -184,3 +184,15 @@ async fn every_trouble_says_what_to_do() {
     );
     drop(used);
 }
+
+#[test]
+fn an_address_with_a_password_is_refused_without_being_shown() {
+    let output = trunnion(&["devices", "--url", "http://ada:geheim@127.0.0.1:9"]);
+    let shown = [output.stdout, output.stderr].map(|said| String::from_utf8(said).unwrap()).concat();
+    assert_eq!(output.status.code(), Some(1), "{shown}");
+    assert!(!shown.contains("ada") && !shown.contains("geheim"), "{shown}");
+    assert!(
+        shown.split_whitespace().collect::<Vec<_>>().join(" ").contains("user and password_file"),
+        "{shown}"
+    );
+}

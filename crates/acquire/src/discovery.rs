@@ -8,6 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tokio_serial::SerialPortType;
 use trunnion_core::Role;
+use trunnion_core::secret::has_login;
 
 /// Where the system keeps names of serial ports that stay when others are plugged in, the best first.
 const LASTING_NAMES: [&str; 2] = ["/dev/serial/by-id", "/dev/serial/by-path"];
@@ -40,22 +41,36 @@ impl Place {
     }
 }
 
-/// No driver asks at such an address.
+/// An address that is not asked.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{address} is no address that can be asked; allowed: {allowed}, or a host alone, which is asked in all these ways"
-)]
-pub struct UnknownAddress {
-    address: String,
-    allowed: String,
+pub enum UnknownAddress {
+    /// No driver asks there.
+    #[error(
+        "{address} is no address that can be asked; allowed: {allowed}, or a host alone, which is asked in all these ways"
+    )]
+    Unknown {
+        /// The address.
+        address: String,
+        /// What can be asked.
+        allowed: String,
+    },
+    /// It would be shown, and is not.
+    #[error(
+        "an address holds a user or a password, which screens and logs show; give the address without them, and user and \
+         password_file in the table of the device"
+    )]
+    Login,
 }
 
 /// What an address on the network may mean to the drivers, or to the one named by `only`: its scheme shows which; a host alone
 /// may be each kind of server, at the port given or at its usual one.
 ///
 /// # Errors
-/// A scheme that no driver knows.
+/// A scheme that no driver knows; a user or a password in the address.
 pub fn servers(address: &str, only: Option<&str>) -> Result<Vec<Place>, UnknownAddress> {
+    if has_login(address) {
+        return Err(UnknownAddress::Login);
+    }
     let schemes = asked_by(only).filter_map(|(_, probe)| match probe.medium {
         Medium::Network(scheme) => Some(scheme),
         Medium::Serial | Medium::Can => None,
@@ -71,7 +86,7 @@ pub fn servers(address: &str, only: Option<&str>) -> Result<Vec<Place>, UnknownA
     if places.is_empty() {
         let allowed = schemes.iter().map(|scheme| format!("{}://HOST:PORT", scheme.name));
         let allowed = allowed.collect::<Vec<_>>().join(", ");
-        return Err(UnknownAddress { address: address.into(), allowed });
+        return Err(UnknownAddress::Unknown { address: address.into(), allowed });
     }
     Ok(places)
 }
@@ -205,6 +220,10 @@ fn silence(look: &Look, senseless_bytes: u64) -> String {
     }
 }
 
+/// What a person must say of devices that do not report their range: without it nobody can tell whether a probe is at its centre.
+const RANGE_IS_MISSING: &str = "# travel_mm = [-1, 1]   # not reported: put both ends of what it shows in, mm, and take the first # away; without it \
+                                the centre of the probes is not known";
+
 /// Gives out roles, each once, as a configuration wants them.
 #[derive(Debug, Default)]
 pub struct Roles {
@@ -234,6 +253,9 @@ impl Roles {
                 line += &format!("\"{}\"{piece}", roles.next().unwrap_or(names[0]));
             }
             lines.push(line);
+        }
+        if wanted > 0 && !found.keys.iter().any(|key| key.starts_with("range_mm")) {
+            lines.push(RANGE_IS_MISSING.into());
         }
         self.tables += 1;
         if enough {
@@ -267,6 +289,13 @@ mod tests {
             + &roles.table("optoncdt", &probe("/dev/c"));
         let devices = parse_devices("pasted", &text).unwrap();
         assert_eq!(devices.len(), 2, "the last one is a comment:\n{text}");
+        let open =
+            text.split("[[device]]").map(|table| table.contains("# travel_mm = [-1, 1]   # not reported"));
+        assert_eq!(
+            open.collect::<Vec<_>>(),
+            [false, false, true, false],
+            "optoNCDT say their range:\n{text}"
+        );
         assert!(
             text.contains("# All roles are given away") && text.contains("name = \"keyence-dl-rs1a-2\""),
             "{text}"
@@ -285,6 +314,11 @@ mod tests {
         assert_eq!(addresses("cnc:81/agent", Some("mtconnect")), ["http://cnc:81/agent"]);
         assert_eq!(addresses("[fe80::1]", Some("linuxcnc")), ["linuxcnc://[fe80::1]:5007"]);
         assert_eq!(addresses("linuxcnc://cnc", None), ["linuxcnc://cnc"]);
+        for secret in ["http://ada:geheim@cnc:5000", "ada:geheim@cnc", "opc.tcp://ada@cnc"] {
+            let refused = servers(secret, None).unwrap_err().to_string();
+            let shows = ["ada", "geheim", "cnc"].into_iter().find(|part| refused.contains(part));
+            assert!(shows.is_none() && refused.contains("user and password_file"), "{refused}");
+        }
         let reported = servers("ftp://cnc", None).unwrap_err().to_string();
         assert!(reported.contains("ftp://cnc") && reported.contains("linuxcnc://HOST:PORT"), "{reported}");
     }

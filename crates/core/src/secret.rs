@@ -44,9 +44,7 @@ impl Secret {
     /// whose text does not hold it.
     pub fn read_address(table: &Table<'_>, key: &str) -> Option<String> {
         let address = table.string(key)?;
-        // A host has no scheme before its login.
-        let of_host = !address.contains("://") && address.contains('@');
-        if logins(&address).is_empty() && !of_host {
+        if !has_login(&address) {
             return Some(address);
         }
         table.problem(
@@ -111,6 +109,13 @@ pub fn redacted(text: &str) -> String {
         from = at.end;
     }
     out + &text[from..]
+}
+
+/// True for an address with a user or a password in it.
+pub fn has_login(address: &str) -> bool {
+    // A host has no scheme before its login.
+    let of_host = !address.contains("://") && address.contains('@');
+    of_host || !logins(address).is_empty()
 }
 
 /// True when a value of the text is a secret.
