@@ -17,7 +17,7 @@ fn a_cycle_becomes_a_program_of_the_dialect_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let sweep = cycle("r-test-sweep-c.toml");
     for (dialect, begins, ends) in [
-        ("fanuc", "%\nO7230 (R-TEST-SWEEP-C)\n", "M30\n%\n"),
+        ("fanuc", "%\nO7586 (R-TEST-SWEEP-C)\n", "M30\n%\n"),
         ("siemens", "; TRUNNION r-test-sweep-c\n", "M30\n"),
         ("heidenhain", "0 BEGIN PGM R_TEST_SWEEP_C MM\n", "END PGM R_TEST_SWEEP_C MM\n"),
         ("linuxcnc", "(TRUNNION r-test-sweep-c)\n", "M2\n"),
@@ -80,4 +80,22 @@ fn what_cannot_be_written_is_refused_with_what_is_allowed() {
         "needs Z at 960, its travel is -400..=400",
     );
     refused(&["no-such.toml", "--dialect", "fanuc"], "cannot read no-such.toml");
+}
+
+#[test]
+fn screen_and_header_say_the_same_time_and_a_number_is_taken_where_there_are_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let (cycle, path) = (cycle("r-test-static.toml"), folder.path().join("o.nc").display().to_string());
+    let output = trunnion(&[&cycle, "--dialect", "fanuc", "--number", "42", "-o", &path]);
+    let (said, written) = (
+        String::from_utf8(output.stdout).unwrap(),
+        std::fs::read_to_string(&path).unwrap().replace("\n", " "),
+    );
+    let minutes = said.split("about ").nth(1).and_then(|text| text.split(' ').next()).unwrap();
+    let header = written.replace(")", "").replace("(", "");
+    assert!(header.contains(&format!("ABOUT {minutes} MINUTES")), "{said} {header:.300}");
+    assert!(written.starts_with("% O0042 "), "{written:.80}");
+    let refused = trunnion(&[&cycle, "--dialect", "siemens", "--number", "42"]);
+    let reported = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && reported.contains("leave --number out"), "{reported}");
 }

@@ -17,7 +17,7 @@ mod words;
 
 pub use dialect::{Dialect, ToolPoint};
 
-pub use program::{Block, Program};
+pub use program::{Block, Program, whole_minutes};
 
 /// The registry.
 pub static DIALECTS: &[&Dialect] =

@@ -9,7 +9,7 @@ use trunnion_machine::Machine;
 use trunnion_results as results;
 
 pub use trunnion_cycles::cycle::Motion;
-pub use trunnion_cycles::nc::{DIALECTS, Dialect, dialect};
+pub use trunnion_cycles::nc::{DIALECTS, Dialect, dialect, whole_minutes};
 pub use trunnion_cycles::{CourseRules, Cycle, Pace, Run, RunKind};
 
 /// A cycle as a program of a controller.

@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use trunnion::Machine;
-use trunnion::cycles::{CourseRules, DIALECTS, Pace, dialect, nc_program};
+use trunnion::cycles::{CourseRules, DIALECTS, Pace, dialect, nc_program, whole_minutes};
 use trunnion::results::{NcProgram, NcProgramFormat};
 use trunnion_core::{State, convert};
 
@@ -40,6 +40,9 @@ pub struct Args {
     /// Decimals of positions in mm and degrees; without it what such controllers usually take
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(2..=9))]
     decimals: Option<u8>,
+    /// Number of the program on a control whose programs have numbers (fanuc); without it one that follows from the name of the cycle
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=7999))]
+    number: Option<u32>,
     /// Run with tool centre point control (TRAORI, G43.4, TCPM): fanuc, heidenhain, siemens
     #[arg(long)]
     tcp: bool,
@@ -56,6 +59,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     output::not_an_input(&[("-o", args.output.as_deref())], [args.cycle.as_path()])?;
     let rules = rules(args)?;
     let dialect = dialect(&args.dialect).context("the command line allows known dialects only")?;
+    if args.number.is_some() && !dialect.numbered {
+        bail!("programs in {} have no number: leave --number out", dialect.name);
+    }
     let program = nc_program(&args.cycle, dialect, &rules, args.decimals.map(usize::from))?;
     if args.json {
         terminal::print_json(&NcProgram {
@@ -77,9 +83,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     };
     output::write(path, text)?;
     let lines = text.lines().count();
-    let minutes = program.duration_s / 60.0;
+    let minutes = whole_minutes(program.duration_s);
     terminal::print(&format!(
-        "{lines} lines, about {minutes:.0} minutes without stops -> {}\n",
+        "{lines} lines, about {minutes} minutes without stops -> {}\n",
         path.display()
     ))?;
     Ok(Outcome::Done)
@@ -101,6 +107,7 @@ fn rules(args: &Args) -> anyhow::Result<CourseRules> {
         dwell_s: args.dwell_s,
         clearance_mm: args.clearance_mm,
         tool_point: args.tcp,
+        program_number: args.number,
         ..CourseRules::default()
     })
 }

@@ -1,6 +1,6 @@
 //! From the steps of a cycle to the blocks of a program, with a header that says what has to be right before the start.
 
-use super::program::{Block, Program, Target};
+use super::program::{Block, Program, Target, whole_minutes};
 use super::tool_point;
 use crate::{CourseRules, Step, VisitError};
 use crate::{Cycle, RunKind};
@@ -51,6 +51,7 @@ impl Program {
             blocks: writer.blocks,
             duration_s: writer.seconds,
             shortest_block_s: writer.shortest_s,
+            number: rules.program_number,
         };
         program.header = header(cycle, machine, rules, &program, clear_mm(cycle, machine, &steps));
         Ok(program)
@@ -267,10 +268,10 @@ fn header(
     clear_mm: f64,
 ) -> Vec<String> {
     let mut lines = vec![format!(
-        "Measuring cycle {}, machine {}. About {:.0} minutes without stops.",
+        "Measuring cycle {}, machine {}. About {} minutes without stops.",
         cycle.name,
         machine.name,
-        (program.duration_s / 60.0).ceil()
+        whole_minutes(program.duration_s)
     )];
     for setup in &cycle.setups {
         lines.push(format!("Setup {}.", mounting(setup)));

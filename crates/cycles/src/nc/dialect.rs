@@ -20,6 +20,8 @@ pub struct Dialect {
     pub stop: &'static str,
     /// Decimals of positions in mm and degrees that such controllers usually take.
     pub decimals: usize,
+    /// True where a program has a number, under which the control keeps it.
+    pub numbered: bool,
     /// Its tool centre point control; `None` where it has none.
     pub tool_point: Option<ToolPoint>,
     /// The text of the program; decimals of positions.

@@ -8,8 +8,8 @@ use super::dialect::{Dialect, ToolPoint};
 use super::program::{Block, Program};
 use super::words::{Moves, fixed, plain, wrapped};
 
-/// Number of the program, in the range that users may write (O0001–O7999).
-const PROGRAM_NUMBER: u32 = 7230;
+/// Numbers that follow from a name: in the range that users may write (O0001–O7999), above the low ones that people give by hand.
+const NUMBERS: std::ops::RangeInclusive<u32> = 1000..=7999;
 
 pub(super) static DIALECT: Dialect = Dialect {
     name: "fanuc",
@@ -20,6 +20,7 @@ pub(super) static DIALECT: Dialect = Dialect {
     dwell: "G04 P ms",
     stop: "comment, M00",
     decimals: 3,
+    numbered: true,
     tool_point: Some(ToolPoint {
         name: "G43.4 H1",
         check: "H1 is the length of that tool. Parameter 19696: bit 5 (WKP) 0, positions on the table; bit 6 (RFC) 1, rotary axes at the feed of the program. \
@@ -30,8 +31,14 @@ pub(super) static DIALECT: Dialect = Dialect {
 };
 
 fn write(program: &Program, decimals: usize) -> String {
-    let mut text = format!("%\nO{PROGRAM_NUMBER:04} ({})\n", comment(&program.name));
-    for line in DIALECT.header(program).iter().flat_map(|line| wrapped(&comment(line), 60)) {
+    let number = program.number.unwrap_or_else(|| number_of(&program.name, program.tool_point));
+    let mut text = format!("%\nO{number:04} ({})\n", comment(&program.name));
+    let own = match program.number {
+        Some(_) => format!("Number {number:04} as it was asked for."),
+        None => format!("Number {number:04} follows from the name of the cycle; --number takes another."),
+    };
+    let own = format!("{own} The control keeps one program of a number.");
+    for line in DIALECT.header(program).iter().chain([&own]).flat_map(|line| wrapped(&comment(line), 60)) {
         text += &format!("({line})\n");
     }
     let mut moves = Moves::new(decimals, "G01", 3);
@@ -57,6 +64,15 @@ fn write(program: &Program, decimals: usize) -> String {
     }
     text += moves.end();
     text + "M30\n%\n"
+}
+
+/// Programs of other names have other numbers, as far as 3500 go; the same cycle with tool centre point control has the next one.
+/// FNV-1a of 32 bits [Fowler, Noll, Vo, IETF draft-eastlake-fnv].
+fn number_of(name: &str, tool_point: bool) -> u32 {
+    let hash =
+        name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+    let pairs = (NUMBERS.end() - NUMBERS.start() + 1) / 2;
+    NUMBERS.start() + 2 * (hash % pairs) + u32::from(tool_point)
 }
 
 fn lines(text: &str) -> String {

@@ -22,6 +22,7 @@ pub(super) static DIALECT: Dialect = Dialect {
     dwell: "cycle 9",
     stop: "comment, STOP",
     decimals: 4,
+    numbered: false,
     tool_point: Some(ToolPoint {
         name: "FUNCTION TCPM",
         check: "TOOL CALL of that tool before the start; its length refers to the centre of the ball.",

@@ -16,6 +16,7 @@ pub(super) static DIALECT: Dialect = Dialect {
     dwell: "G4 P s",
     stop: "(MSG,…), M0",
     decimals: 6,
+    numbered: false,
     tool_point: None,
     write,
 };

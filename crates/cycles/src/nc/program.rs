@@ -22,6 +22,13 @@ pub struct Program {
     pub duration_s: f64,
     /// Shortest block of a sweep, s; `None` without sweep.
     pub shortest_block_s: Option<f64>,
+    /// Number of the program, in dialects whose programs have numbers; `None`: it follows from the name.
+    pub number: Option<u32>,
+}
+
+/// A running time as people are told it: the next whole minute, so that nobody is early.
+pub fn whole_minutes(duration_s: f64) -> u32 {
+    (duration_s / 60.0).ceil() as u32
 }
 
 /// One instruction.

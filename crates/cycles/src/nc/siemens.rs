@@ -20,6 +20,7 @@ pub(super) static DIALECT: Dialect = Dialect {
     dwell: "G4 F s",
     stop: "MSG, M0",
     decimals: 4,
+    numbered: false,
     tool_point: Some(ToolPoint {
         name: "TRAORI",
         check: "The tool in the spindle is the active one, D1 its length. TRAORI stands for the transformation of the correction (TRAORI(2) for the second).",

@@ -8,6 +8,7 @@ mod durations;
 #[path = "nc/interpreter.rs"]
 mod interpreter;
 mod nc_programs;
+mod program_numbers;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
 mod section;

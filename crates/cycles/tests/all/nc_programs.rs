@@ -11,7 +11,7 @@ use trunnion_cycles::nc::{Block, DIALECTS, Program};
 use trunnion_cycles::{CourseRules, Step};
 use trunnion_machine::{JointErrors, Machine, shipped};
 
-const STATIC: &str = r#"
+pub const STATIC: &str = r#"
 format = "trunnion-cycle/1"
 name = "small-static"
 machine = "table-bc"
@@ -55,12 +55,12 @@ feeds_deg_per_min = [1800]
 direction = [0, 1, 0]
 "#;
 
-fn machine(cycle: &Cycle) -> Machine {
+pub fn machine(cycle: &Cycle) -> Machine {
     shipped::machine(&cycle.machine).unwrap()
 }
 
 /// Coarse pieces keep the snapshots short.
-fn coarse() -> CourseRules {
+pub fn coarse() -> CourseRules {
     CourseRules { transfer_chord_mm: 1.0, chord_mm: 0.5, ..CourseRules::default() }
 }
 

@@ -20,6 +20,8 @@ pub struct CourseRules {
     pub clearance_mm: f64,
     /// True where the NC program leaves the linear axes to the tool centre point control of the machine.
     pub tool_point: bool,
+    /// Number of the NC program, where the dialect has numbers; `None`: it follows from the name of the cycle.
+    pub program_number: Option<u32>,
     /// Dwell at a pose at rest, s; `None`: settling and two windows of the cycle.
     pub dwell_s: Option<f64>,
     /// Length of one stroke of the synchronisation move that begins and ends a cycle on the fly, mm.
@@ -40,6 +42,7 @@ impl Default for CourseRules {
             transfer_rad_per_s: std::f64::consts::TAU * 5.0 / 60.0,
             clearance_mm: 100.0,
             tool_point: false,
+            program_number: None,
             dwell_s: None,
             stroke_mm: 0.2,
             strokes: 3,
