@@ -61,14 +61,15 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             Call::Abort => caller.abort().await,
         }
     })?;
+    let asked_to_begin = matches!(args.call, Call::Begin { .. });
     match args.json {
         true => terminal::print_json(&status)?,
-        false => terminal::print(&text(&status))?,
+        false => terminal::print(&text(&status, asked_to_begin))?,
     }
     Ok(Outcome::Done)
 }
 
-fn text(status: &PageStatus) -> String {
+fn text(status: &PageStatus, asked_to_begin: bool) -> String {
     let cycle = status.topics.get("cycle").unwrap_or(&Value::Null);
     let words = |key: &str| cycle[key].as_str().unwrap_or_default();
     let mut text =
@@ -77,6 +78,12 @@ fn text(status: &PageStatus) -> String {
         if !words(key).is_empty() {
             text += &format!("{before}{}", words(key));
         }
+    }
+    if asked_to_begin && !["measuring", "refused"].contains(&words("state")) {
+        text += "\n  asked to begin; it has not begun yet: see `trunnion cycle status` before asking again";
+    }
+    if let Some(chosen) = status.topics.get("status").and_then(|status| status["chosen"].as_str()) {
+        text += &format!("\n  begins next: {chosen}, as it was chosen");
     }
     let names: Vec<&str> = status.cycles.iter().map(|cycle| cycle.name.as_str()).collect();
     text + &format!("\n  cycles: {}\n", names.join(", "))

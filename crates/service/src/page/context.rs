@@ -8,11 +8,12 @@ use axum::extract::rejection::JsonRejection;
 use axum::http::StatusCode;
 use axum::response::Response;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use trunnion::page::label;
-use trunnion::results::{PageFormat, PageStatus, Serves};
+use trunnion::results::{PageFormat, PageStatus, Published, Serves, ServiceStatus};
 
 /// What the calls share.
 #[derive(Clone)]
@@ -34,6 +35,12 @@ pub(super) type Answer = Result<Response, Refusal>;
 pub(super) fn status_of(page: &Page) -> Answer {
     let shared = &page.shared;
     let value = |text: String| serde_json::from_str::<Value>(&text).unwrap_or_default();
+    let mut topics: BTreeMap<String, Value> =
+        shared.board.now().into_iter().map(|(topic, text)| (topic, value(text))).collect();
+    // The topic is a second old; who chose sees the choice.
+    if let Some(Value::Object(status)) = topics.get_mut(ServiceStatus::TOPIC) {
+        status.insert("chosen".into(), shared.board.operator().peek_chosen().into());
+    }
     json_of(&PageStatus {
         format: PageFormat::V1,
         program: label(),
@@ -41,7 +48,7 @@ pub(super) fn status_of(page: &Page) -> Answer {
         name: shared.name.clone(),
         cycles: shared.cycles.clone(),
         operates: shared.serves == Serves::Service,
-        topics: shared.board.now().into_iter().map(|(topic, text)| (topic, value(text))).collect(),
+        topics,
     })
 }
 

@@ -2,12 +2,18 @@
 
 use super::answer::Refusal;
 use super::context::{Answer, Page, status_of, wrong};
+use crate::operator::Operator;
 use axum::extract::State;
 use axum::extract::rejection::JsonRejection;
 use axum::routing::post;
 use axum::{Json, Router};
 use serde::Deserialize;
+use std::time::Duration;
+use tokio::time::timeout;
 use trunnion::results::{CycleState, Serves};
+
+/// A cycle begins within milliseconds, and after the room on the disk was looked at; an end waits for the message under way.
+const SHOWS_WITHIN: Duration = Duration::from_secs(3);
 
 /// Their routes.
 pub(super) fn routes() -> Router<Page> {
@@ -36,7 +42,7 @@ async fn begin(State(page): State<Page>, body: Result<Json<Chosen>, JsonRejectio
     }
     page.chooses(&chosen)?;
     tracing::info!(cycle = chosen, "begun from the page");
-    page.shared.board.operator().begin();
+    page.asks(Operator::begin).await;
     status_of(&page)
 }
 
@@ -45,7 +51,7 @@ async fn abort(State(page): State<Page>) -> Answer {
         return Err(Refusal::NotNow("no cycle is being measured"));
     }
     tracing::info!("the cycle was aborted from the page");
-    page.shared.board.operator().abort();
+    page.asks(Operator::abort).await;
     status_of(&page)
 }
 
@@ -56,6 +62,16 @@ impl Page {
         }
         let chosen = self.shared.board.operator().choose(cycle);
         chosen.map_err(|refused| Refusal::Wrong(refused.to_string()))
+    }
+
+    /// Asks, and waits until it shows in the state of the cycle: the answer is the state after.
+    async fn asks(&self, what: fn(&Operator)) {
+        let board = &self.shared.board;
+        let (before, mut changes) = (board.get("cycle"), board.changes());
+        what(board.operator());
+        let shows = async { while board.get("cycle") == before && changes.changed().await.is_ok() {} };
+        // What takes longer is said by the state of before, and by the topic later.
+        drop(timeout(SHOWS_WITHIN, shows).await);
     }
 
     fn is_measuring(&self) -> bool {

@@ -2,8 +2,9 @@
 
 use crate::attempts::{TOKEN, page_of_lan};
 use crate::page::Page;
+use serde_json::json;
 use std::path::Path;
-use trunnion::results::Serves;
+use trunnion::results::{Serves, ServiceStatus};
 use trunnion_service::caller::{CallError, Caller};
 use trunnion_service::config::PageConfig;
 use trunnion_service::page::Access;
@@ -26,9 +27,20 @@ async fn a_cycle_is_chosen_begun_and_refused_in_the_words_of_the_service() {
         caller.status().await.unwrap().cycles.into_iter().map(|cycle| cycle.name).collect();
     assert_eq!(names, ["low", "high"]);
     let mut asked = page.board.operator().asked();
-    caller.choose("high").await.unwrap();
+    page.board.publish(&ServiceStatus::default());
+    let answer = caller.choose("high").await.unwrap();
+    assert_eq!(answer.topics["status"]["chosen"], "high", "the answer shows the choice");
     assert_eq!(page.board.operator().peek_chosen().as_deref(), Some("high"));
-    caller.begin("low").await.unwrap();
+    let (board, mut begins) = (page.board.clone(), page.board.operator().asked());
+    board.set("cycle", &json!({ "state": "ready" }));
+    let begun = tokio::spawn(async move {
+        begins.begins().await;
+        board.set("cycle", &json!({ "state": "measuring", "cycle": "low" }));
+    });
+    let answer = caller.begin("low").await.unwrap();
+    assert_eq!(answer.topics["cycle"]["state"], "measuring", "the answer is the state after");
+    begun.await.unwrap();
+    page.board.set("cycle", &json!({ "state": "done" }));
     assert_eq!(page.board.operator().peek_chosen().as_deref(), Some("low"));
     tokio::time::timeout(std::time::Duration::from_secs(10), asked.begins()).await.unwrap();
     let refused = |answer: Result<_, CallError>| match answer {
