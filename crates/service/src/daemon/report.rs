@@ -6,7 +6,7 @@ use crate::recording::Recorded;
 use crate::{kept_story, run_record};
 use std::path::{Path, PathBuf};
 use tracing::{info, warn};
-use trunnion::results::{RunAnswer, RunResult, Verdict, to_json};
+use trunnion::results::{RunAnswer, RunRecord, RunResult, RunState, Verdict, to_json};
 use trunnion::{Analysed, Compared, Experiment, Model, Notation, history};
 use trunnion_core::chain;
 
@@ -50,7 +50,15 @@ pub fn report_at_once(
 ) -> Result<Report, ServiceError> {
     let record = run_record::of_recorded(recorded, cycle, moment(wall_ns));
     run_record::write(&recorded.path, &record)?;
-    let report = write_report(&recorded.path, Some(model), &day(wall_ns))?;
+    let record = RunRecord { tries: 1, ..record };
+    let report = match write_report(&recorded.path, Some(model), &day(wall_ns)) {
+        Ok(report) => report,
+        Err(failure) => {
+            let failed = RunRecord { state: RunState::Failed, why: chain(&failure), ..record };
+            run_record::write(&recorded.path, &failed)?;
+            return Err(failure);
+        }
+    };
     run_record::write(&recorded.path, &run_record::reported(record, report.answer.clone()))?;
     Ok(report)
 }
@@ -107,5 +115,23 @@ pub fn in_short(recording: &Path, analysed: &Analysed) -> RunResult {
         rms_um_before: analysed.before().results().rms_um,
         rms_um_after: analysed.fit().results().rms_um,
         report: recording.with_extension("html").display().to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_analysis_that_fails_leaves_its_reason_in_the_state_of_the_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.mcap");
+        std::fs::write(&path, b"no recording").unwrap();
+        let recorded =
+            Recorded { path, parts: Vec::new(), ended: String::new(), gaps: Vec::new(), lost_samples: 0 };
+        let failed = report_at_once(&recorded, "low", &Model::base("table-bc"), 0).err().unwrap();
+        let state = run_record::read(&recorded.path).unwrap();
+        assert_eq!((state.state, state.tries, state.cycle.as_str()), (RunState::Failed, 1, "low"));
+        assert_eq!(state.why, chain(&failed));
     }
 }
