@@ -33,6 +33,10 @@ fn the_demo_finds_the_hidden_sag_and_replay_repeats_its_bytes() {
     assert!(number("error_after_um") < 0.5 * number("error_before_um"), "{step}");
     assert!(number("holdout_after_um") < 0.7 * number("holdout_before_um"), "{step}");
 
+    // The page of a recording looks for its model here.
+    let files = |name: &str| folder.path().join("demo").join(name).exists();
+    assert!(files("static.model.toml") && !files("model.toml"));
+
     // From the file alone comes what the live run said.
     let run = format!("{output}/static.mcap");
     let (_, replayed, _) = trunnion(&["diagnose", &run, "--json"]);

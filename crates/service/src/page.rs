@@ -35,3 +35,4 @@ pub use grid::page_cycle;
 pub use guard::OWN_HEADER;
 pub use runs::Runs;
 pub use shared::Shared;
+pub use stamp::own_model;

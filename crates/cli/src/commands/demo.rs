@@ -39,11 +39,12 @@ use trunnion_service::daemon;
 use trunnion_service::daemon::{NewRun, Recorded, States, Texts, publish_live};
 use trunnion_service::latest::Mounted;
 use trunnion_service::live::{CycleBounds, Live, Plan, Progress, check};
+use trunnion_service::page::own_model;
 
 /// Measure, model, doubt, explain and correct a simulated five-axis machine with a hidden effect
 ///
 /// Example: trunnion demo --hidden gravity-sag:B --seed 7
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct Args {
     /// Hidden physics: an id (the axis may be left out), `random`, or `none`
     #[arg(long, default_value = "random", value_name = "ID")]
@@ -54,7 +55,7 @@ pub struct Args {
     /// Size of the hidden effect, in units of its usual size
     #[arg(long, default_value_t = 1.0)]
     size: f64,
-    /// Folder for recordings and the report
+    /// Folder for recordings and the report; a number is added where it holds a demo already
     #[arg(long, value_name = "FOLDER", default_value = "trunnion-demo")]
     output: PathBuf,
     /// Leave out the on-the-fly cycle
@@ -68,6 +69,8 @@ pub struct Args {
     json: bool,
 }
 
+/// What every demo leaves.
+const TRUTH: &str = "truth.toml";
 const STATIC_CYCLE: &str = include_str!("../../../../config/cycles/demo-static.toml");
 const SWEEP_CYCLE: &str = include_str!("../../../../config/cycles/demo-sweep-c.toml");
 /// The simulated machine is quick: a newcomer waits.
@@ -79,10 +82,39 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     if std::env::var_os("RUST_LOG").is_some() {
         log_to_stderr();
     }
+    let output = folder_of_its_own(&args.output)?;
+    if output != args.output {
+        terminal::remark(&format!(
+            "{} holds a demo of another machine; this one is in {}",
+            args.output.display(),
+            output.display()
+        ));
+    }
+    let args = &Args { output, ..args.clone() };
     std::fs::create_dir_all(&args.output)
         .with_context(|| format!("cannot make {}", args.output.display()))?;
     let runtime = tokio::runtime::Runtime::new().context("cannot start the runtime")?;
     runtime.block_on(demo(args))
+}
+
+/// The folder asked for, or the next number where it holds a demo: recordings, truth and report of one machine stay together.
+fn folder_of_its_own(folder: &Path) -> anyhow::Result<PathBuf> {
+    let is_free = |folder: &PathBuf| !folder.join(TRUTH).exists();
+    if is_free(&folder.to_owned()) {
+        return Ok(folder.to_owned());
+    }
+    let name = folder.file_name().with_context(|| {
+        format!("{} holds a demo already; --output FOLDER takes another", folder.display())
+    })?;
+    let numbered = |number: u32| {
+        let mut name = name.to_owned();
+        name.push(format!("-{number}"));
+        folder.with_file_name(name)
+    };
+    (2..10_000)
+        .map(numbered)
+        .find(is_free)
+        .context("there are too many demos; --output FOLDER takes another folder")
 }
 
 async fn demo(args: &Args) -> anyhow::Result<Outcome> {
@@ -97,7 +129,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let choices = hidden_choices(args, &machine)?;
     let truth =
         Truth::draw(&machine, &setups, &choices, scenario::duration_s(stations.len(), PACE), args.seed)?;
-    let truth_path = args.output.join("truth.toml");
+    let truth_path = args.output.join(TRUTH);
     output::write(&truth_path, &truth.to_toml())?;
     let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth)?);
 
@@ -173,7 +205,8 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     }
     let compared = analysed.compare().with_losses(&losses).with_time_quality(&timing);
     output::write(&report, &compared.page())?;
-    let model_path = args.output.join("model.toml");
+    // Where the page and `open` look for it.
+    let model_path = own_model(&recorded.path);
     analysed.fit().model().save(&model_path)?;
     show(&format!("\nReport: {}\nModel:  {}\n", report.display(), model_path.display()))?;
     show(&format!("\nThe seal is broken. {}\n", truth_text(&virtual_machine, &analysed, &truth_path)))?;
@@ -320,4 +353,23 @@ fn config_text(ports: &Path, agent: &str, recordings: &Path) -> String {
         );
     }
     text + &format!("\n[[device]]\nname = \"cnc\"\ndriver = \"mtconnect\"\nurl = \"{agent}\"\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_demo_has_a_folder_of_its_own() {
+        let folder = tempfile::tempdir().unwrap();
+        let asked = folder.path().join("demo");
+        let leave = |in_folder: &Path| {
+            std::fs::create_dir_all(in_folder).unwrap();
+            std::fs::write(in_folder.join(TRUTH), "").unwrap();
+        };
+        assert_eq!(folder_of_its_own(&asked).unwrap(), asked);
+        leave(&asked);
+        leave(&folder.path().join("demo-2"));
+        assert_eq!(folder_of_its_own(&asked).unwrap(), folder.path().join("demo-3"));
+    }
 }
