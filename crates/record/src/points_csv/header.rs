@@ -38,8 +38,11 @@ pub(super) fn read_header(
     let mut required = vec![Column::Setup];
     required.extend(joints.iter().copied().map(Column::Position));
     let readings = readings(kinds.iter().copied());
+    // Of files that cannot be read nobody knows the joints and the instruments.
+    let is_known = setups.is_some() && machine.is_some();
+    let mut of_readings = readings.iter().map(|column| column.name());
     if let Some(name) =
-        readings.iter().map(|column| column.name()).find(|name| required.iter().any(|c| c.name() == *name))
+        of_readings.find(|name| is_known && required.iter().any(|column| column.name() == *name))
     {
         let found = format!("{name} is a reading of an instrument and the position of a joint");
         notes.add(

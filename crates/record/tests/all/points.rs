@@ -219,3 +219,11 @@ fn a_column_that_the_table_lacks_and_a_cell_that_is_no_number_are_named_where_th
     let shown = import_of(ROBOT, FOREIGN, &setup).unwrap_err().to_string();
     assert!(shown.contains("setup.toml:7:10: columns.j4_deg = []"), "{shown}");
 }
+
+#[test]
+fn a_setup_file_that_cannot_be_read_is_the_only_problem_of_good_points() {
+    let setup = SETUP.replacen("ball_in_table_mm = [", "ball_in_table_mm = [np.float64(1.0), ", 1);
+    assert_ne!(setup, SETUP);
+    let found = import(POINTS, &setup).unwrap_err().0;
+    assert!(found.iter().all(|problem| problem.file == "setup.toml"), "{found:?}");
+}
