@@ -8,7 +8,7 @@ use crate::Experiment;
 use crate::noise::outliers::excluded;
 use nalgebra::DVector;
 use std::convert::Infallible;
-use trunnion_core::Point;
+use trunnion_core::{InstrumentKind, Point};
 use trunnion_cycles::Run;
 
 /// Longer runs are reduced to so many points, for time only.
@@ -31,8 +31,12 @@ pub(super) struct Looked<'a> {
 }
 
 impl<'a> Looked<'a> {
-    /// `None` where the run has no base model or no points.
+    /// `None` where the run has no base model or no points, and of distances from a station, which is set anywhere: they hold the
+    /// way to it, which no base model takes off.
     pub fn at(run: &'a Run) -> Option<Self> {
+        if run.setups.iter().any(|setup| setup.instrument == InstrumentKind::Tracker) {
+            return None;
+        }
         let whole = Experiment::of_points(&[with_points(run, thinned(run))]).ok()?;
         let columns = columns(&whole)?;
         let readings_mm = whole.readings_mm();

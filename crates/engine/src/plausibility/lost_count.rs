@@ -11,12 +11,14 @@ use super::readings::FEWEST_POINTS;
 use crate::Experiment;
 use crate::noise::learned::display::nominal_readings_mm;
 use crate::problem::poses::same_pose;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::signed;
 use trunnion_core::{InstrumentKind, Point, statistics};
 use trunnion_cycles::Run;
 
+/// Poses that are read before and after a step; fewer agree about one by chance, and a turning point that is read twice is one.
+const FEWEST_ACROSS: usize = 6;
 /// A pause is longer than so many usual steps.
 const PAUSE_STEPS: f64 = 10.0;
 
@@ -43,6 +45,9 @@ fn of_setup(run: &Run, setup: usize) -> Option<Implausible> {
     let is_pause = pauses(&points);
     let steps = (1..points.len()).filter(|at| !is_pause[*at]).filter_map(|at| {
         let step: Vec<f64> = (0..points.len()).map(|i| f64::from(u8::from(i >= at))).collect();
+        if across(&poses, at) < FEWEST_ACROSS {
+            return None;
+        }
         let step = less_means(&step, &poses);
         let squares: f64 = step.iter().map(|h| h * h).sum();
         let size_mm = step.iter().zip(&error_mm).map(|(h, e)| h * e).sum::<f64>() / squares;
@@ -82,6 +87,12 @@ fn poses(run: &Run, points: &[Point]) -> Vec<usize> {
     let groups: Vec<usize> = points.iter().map(side).collect();
     let positions: Vec<_> = points.iter().map(|point| &point.state.position).collect();
     same_pose(groups, &positions, &joints)
+}
+
+/// How many poses are read both before a point and from it on.
+fn across(poses: &[usize], at: usize) -> usize {
+    let before: HashSet<usize> = poses[..at].iter().copied().collect();
+    poses[at..].iter().copied().filter(|pose| before.contains(pose)).collect::<HashSet<_>>().len()
 }
 
 fn less_means(values: &[f64], poses: &[usize]) -> Vec<f64> {

@@ -12,11 +12,18 @@ use crate::plausibility::shown::SAME_MM;
 use trunnion_core::Joint;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::number::fixed;
+use trunnion_core::statistics::upper_median;
 
 /// Positions that differ by less are of one target, mm: axes come within micrometres of it, and the next target is farther away.
 const ONE_TARGET_MM: f64 = 0.1;
 /// Digits of positions that are asked for, of mm; finer ones are those of a computation.
 const MOST_DIGITS: i32 = 5;
+/// The same targets come again: share of the positions that have another within so little. Targets that are met once lie so near here and there
+/// only.
+const COMING_BACK: f64 = 0.5;
+/// What comes back differs by micrometres: of the differences within a target, the usual one is so small, mm. Of targets that lie near each other
+/// by chance it is half of [`ONE_TARGET_MM`].
+const COMES_WITHIN_MM: f64 = ONE_TARGET_MM / 4.0;
 /// Targets at which positions differ, as a share of all. What comes back within r takes another digit q at about 2r/q of them: with fewer, it would
 /// come back within a sixth of a digit.
 const DIFFERING: f64 = 1.0 / 3.0;
@@ -37,7 +44,11 @@ impl Line<'_> {
         let differs = |own: &&&[f64]| own.iter().any(|mm| mm - own[0] > SAME_MM);
         let differing = targets.iter().filter(differs).count();
         let again: usize = targets.iter().map(|own| own.len()).sum();
-        (again >= FEWEST_POINTS && differing as f64 > DIFFERING * targets.len() as f64).then(|| {
+        let gaps = targets.iter().flat_map(|own| own.windows(2)).map(|pair| pair[1] - pair[0]);
+        let gaps_mm: Vec<f64> = gaps.filter(|mm| *mm > SAME_MM).collect();
+        let comes_back = again as f64 > COMING_BACK * nominal_mm.len() as f64
+            && upper_median(&gaps_mm).is_some_and(|usual_mm| usual_mm < COMES_WITHIN_MM);
+        (again >= FEWEST_POINTS && comes_back && differing as f64 > DIFFERING * targets.len() as f64).then(|| {
             plain(
                 format!(
                     "{}: the positions of setup {} do not come back to their targets: at {differing} of {} they differ, as the readings do, which they equal \
