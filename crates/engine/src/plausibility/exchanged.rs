@@ -65,7 +65,7 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     let ((mistake, left_mm), to_do) =
         tried.into_iter().find(|((_, left_mm), _)| *left_mm <= AS_GOOD * least_mm)?;
     let left_um = um_from_mm(left_mm);
-    let is_believed = BELIEVED * left_um < before_um && trial.of_an_axis_mm() > AS_GOOD * left_mm;
+    let is_believed = BELIEVED * left_um < before_um && trial.of_an_effect_mm() > AS_GOOD * left_mm;
     is_believed.then(|| {
         let hypothesis = match (trial.mirror(AS_GOOD * least_mm), repeated) {
             // What is left is gross itself: it would be doubted again.

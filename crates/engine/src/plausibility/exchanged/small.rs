@@ -36,7 +36,7 @@ pub(in crate::plausibility) fn small(looked: &Looked) -> Option<Implausible> {
     let tried = turned.chain(unsettled.map(|one| (one, DWELL)));
     let ((words, left_mm), to_do) = tried.min_by(|((_, a), _), ((_, b), _)| a.total_cmp(b))?;
     let divided = if fits(&repeated, left_mm) { DIVIDED } else { BELIEVED };
-    let is_believed = before_mm > divided * left_mm && trial.of_an_axis_mm() > AS_GOOD * left_mm;
+    let is_believed = before_mm > divided * left_mm && trial.of_an_effect_mm() > AS_GOOD * left_mm;
     is_believed.then(|| {
         let [before_um, left_um, repeat_um] = [before_mm, left_mm, repeated.sigma_mm].map(um_from_mm);
         Implausible {
