@@ -17,7 +17,7 @@ use crate::noise::learned::display::{Display, nominal_mm};
 use crate::problem::passes::Passes;
 use nalgebra::Vector3;
 use std::collections::HashMap;
-use trunnion_core::AxisValues;
+use trunnion_core::Joint;
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
 
 /// Fewer differences than this say nothing.
@@ -39,7 +39,8 @@ struct Repeat {
 
 /// `None` where too few poses were measured again to say.
 pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<Repeatability> {
-    let (all, from_one_side) = (repeats(experiment, passes, false), repeats(experiment, passes, true));
+    let joints = experiment.machine().joints();
+    let (all, from_one_side) = (repeats(experiment, passes, &[]), repeats(experiment, passes, &joints));
     let of_all = Scatter::of(&all)?;
     let of_one_side = Scatter::of(&from_one_side);
     let (scatter, approach) = match of_one_side {
@@ -59,16 +60,23 @@ pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<
     })
 }
 
-/// The same of every channel by itself, mm, of visits from one side where there are such: an axis may come back badly from the other.
-/// `None` for a channel that does not say.
+/// The same of every channel by itself, mm, of the visits that repeat best: from one side of all axes, of one, or from any. An axis may come back
+/// badly from the other side. `None` for a channel that does not say.
 pub(crate) fn of_channels_mm(experiment: &Experiment, passes: &Passes) -> Vec<Option<f64>> {
-    let of_sides = [true, false].map(|from_one_side| repeats(experiment, passes, from_one_side));
+    let joints = experiment.machine().joints();
+    let of_one = joints.iter().map(std::slice::from_ref);
+    let of_sides: Vec<Vec<Repeat>> = [&joints[..], &[]]
+        .into_iter()
+        .chain(of_one)
+        .map(|from_one_side| repeats(experiment, passes, from_one_side))
+        .collect();
     let channels = of_sides[1].iter().map(|repeat| repeat.difference_mm.len()).max().unwrap_or(0);
     let of_channel = |channel: usize| {
-        of_sides.iter().find_map(|repeats| {
+        let sigmas_mm = of_sides.iter().filter_map(|repeats| {
             let own = differences(repeats).filter(|(k, _)| *k == channel).map(|(_, d)| d.abs());
             Scatter::of_channels(std::iter::once(own.collect())).map(|scatter| scatter.sigma_mm)
-        })
+        });
+        sigmas_mm.reduce(f64::min)
     };
     (0..channels).map(of_channel).collect()
 }
@@ -134,13 +142,14 @@ fn deviation_mm(experiment: &Experiment, i: usize) -> Vector3<f64> {
     Vector3::from(experiment.points[i].reading_mm) - nominal_mm(experiment, i)
 }
 
-/// Every visit of a pose with the one before it: of any direction, or of those from the same side in every axis.
-fn repeats(experiment: &Experiment, passes: &Passes, from_one_side: bool) -> Vec<Repeat> {
+/// Every visit of a pose with the one before it, of those from the same side in some axes.
+fn repeats(experiment: &Experiment, passes: &Passes, from_one_side: &[Joint]) -> Vec<Repeat> {
     let mut last_visit = HashMap::new();
     let mut repeats = Vec::new();
     for (i, pose) in experiment.poses().into_iter().enumerate() {
-        let side = |direction: AxisValues<f64>| direction.0.map(|way| (way > 0.0, way < 0.0));
-        let from = from_one_side.then(|| side(experiment.points[i].state.direction));
+        let direction = experiment.points[i].state.direction;
+        let side = |&joint: &Joint| (direction[joint] > 0.0, direction[joint] < 0.0);
+        let from: Vec<(bool, bool)> = from_one_side.iter().map(side).collect();
         let key = (experiment.run_of_point[i], pose, from);
         let Some(first) = last_visit.insert(key, i) else { continue };
         let readings = 0..experiment.rows_of(i).len();

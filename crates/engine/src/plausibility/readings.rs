@@ -4,10 +4,10 @@ use super::exchanged::{self, GROSS_UM};
 use super::found::Implausible;
 use super::looked::Looked;
 use super::path;
-use crate::problem::poses::same_pose;
+use crate::problem::poses::{number, same_pose};
 use std::collections::HashMap;
-use trunnion_core::Point;
 use trunnion_core::convert::um_from_mm;
+use trunnion_core::{Joint, Point};
 use trunnion_cycles::Run;
 
 /// Readings of one pose scatter by at least this share of the scatter of all poses: they do not depend on the pose. Of noise alone the
@@ -37,8 +37,8 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     looked.iter().filter_map(of_run).collect()
 }
 
-/// Readings that depend neither on the pose nor on those before: backlash differs at one pose, and so does drift, but not from one
-/// reading to the next.
+/// Readings that depend neither on the pose nor on those before. Backlash differs at one pose, but not where the axis comes from the same side;
+/// drift does, but not from one reading to the next.
 fn nothing_but_scatter(run: &Run) -> Option<Implausible> {
     let first = run.setups.first()?.instrument;
     if !first.deflects_probes() || run.setups.iter().any(|setup| setup.instrument != first) {
@@ -46,33 +46,14 @@ fn nothing_but_scatter(run: &Run) -> Option<Implausible> {
     }
     let components = first.components().len();
     let joints = run.machine.joints();
-    let setup = run.points.iter().map(|point| point.state.setup).collect();
+    let setup: Vec<usize> = run.points.iter().map(|point| point.state.setup).collect();
     let positions: Vec<_> = run.points.iter().map(|point| &point.state.position).collect();
-    let mut poses: HashMap<usize, Vec<&Point>> = HashMap::new();
-    for (pose, point) in same_pose(setup, &positions, &joints).into_iter().zip(&run.points) {
-        poses.entry(pose).or_default().push(point);
-    }
-    let (mut within, mut freedom, mut all, mut of_all) = (0.0, 0.0, 0.0, 0.0);
-    let add = |points: &[&Point], sum: &mut f64, count: &mut f64| {
-        for k in 0..components {
-            let mean = points.iter().map(|point| point.reading_mm[k]).sum::<f64>() / points.len() as f64;
-            *sum += points.iter().map(|point| (point.reading_mm[k] - mean).powi(2)).sum::<f64>();
-        }
-        *count += ((points.len() - 1) * components) as f64;
-    };
-    for points in poses.values() {
-        add(points, &mut within, &mut freedom);
-    }
-    for setup in 0..run.setups.len() {
-        let own: Vec<&Point> = run.points.iter().filter(|point| point.state.setup == setup).collect();
-        if !own.is_empty() {
-            add(&own, &mut all, &mut of_all);
-        }
-    }
-    if freedom < FEWEST_POINTS as f64 {
-        return None;
-    }
-    let (within_um, all_um) = (um_from_mm((within / freedom).sqrt()), um_from_mm((all / of_all).sqrt()));
+    let poses = same_pose(setup.clone(), &positions, &joints);
+    let of_one = joints.iter().map(std::slice::from_ref);
+    let within = [&[], &joints[..]].into_iter().chain(of_one).filter_map(|from_one_side: &[Joint]| {
+        scatter_um(run, components, &poses_from_one_side(run, &poses, from_one_side))
+    });
+    let (within_um, all_um) = (within.reduce(f64::min)?, scatter_um(run, components, &setup)?);
     let is_nothing_else = |scatter_um: f64| scatter_um > GROSS_UM && scatter_um > NO_STRUCTURE * all_um;
     let is_scatter = is_nothing_else(within_um) && is_nothing_else(from_next_um(run, components));
     is_scatter.then(|| Implausible {
@@ -83,6 +64,31 @@ fn nothing_but_scatter(run: &Run) -> Option<Implausible> {
         hypothesis: "The readings do not depend on the pose. Check that ball, nest and probes are firm, and the file.".into(),
         rms_um_with_it: None,
     })
+}
+
+/// Numbers of poses, apart by the side from which some axes came.
+fn poses_from_one_side(run: &Run, poses: &[usize], joints: &[Joint]) -> Vec<usize> {
+    let side = |(point, &pose): (&Point, &usize)| {
+        let of_joint =
+            |&joint: &Joint| (point.state.direction[joint] > 0.0, point.state.direction[joint] < 0.0);
+        (pose, joints.iter().map(of_joint).collect::<Vec<_>>())
+    };
+    number(run.points.iter().zip(poses).map(side))
+}
+
+/// Scatter of the readings of groups about their means, rms, µm; `None` of too few.
+fn scatter_um(run: &Run, components: usize, groups: &[usize]) -> Option<f64> {
+    let mut of_group: HashMap<usize, Vec<&Point>> = HashMap::new();
+    groups.iter().zip(&run.points).for_each(|(group, point)| of_group.entry(*group).or_default().push(point));
+    let (mut sum, mut freedom) = (0.0, 0);
+    for points in of_group.values() {
+        for k in 0..components {
+            let mean = points.iter().map(|point| point.reading_mm[k]).sum::<f64>() / points.len() as f64;
+            sum += points.iter().map(|point| (point.reading_mm[k] - mean).powi(2)).sum::<f64>();
+        }
+        freedom += (points.len() - 1) * components;
+    }
+    (freedom >= FEWEST_POINTS).then(|| um_from_mm((sum / freedom as f64).sqrt()))
 }
 
 /// Scatter from one reading to the next of a setup, root mean square of the differences / √2 [Neumann 1941], µm.
