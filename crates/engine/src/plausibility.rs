@@ -4,6 +4,7 @@
 //! tried as a named mistake: with the mistake undone everything must fit. The rules look only for gross mistakes; what a
 //! machine itself can do is never one.
 
+mod chance;
 mod channels;
 mod claim;
 mod clock;

@@ -2,9 +2,10 @@
 
 mod stretch;
 
+use super::chance::Displayed;
 use super::found::{Implausible, plain};
-use super::repeats::{self, FEWEST, SURE};
-use super::shown::{Shown, same_by_chance, would_differ};
+use super::repeats::{self, FEWEST};
+use super::shown::{Shown, would_differ};
 use trunnion_core::Point;
 use trunnion_cycles::{Run, RunKind};
 
@@ -81,10 +82,7 @@ fn copies(run: &Run) -> Option<Implausible> {
     })
 }
 
-/// Readings that stay the same, in every channel and digit, from one pose to the next, more often than a display does it.
-///
-/// Two readings of noise σ fall on one step of a display with the chance step/(2σ√π), the density of their difference at zero
-/// [normal distribution], or more seldom where the machine moves between them; k channels do it with the k-th power of it.
+/// Readings that stay the same, in every channel and digit, from one pose to the next, more often than a display does it by chance.
 fn held(run: &Run) -> Option<Implausible> {
     if run.kind != RunKind::Static || run.points.iter().any(|point| point.samples > 1) {
         return None;
@@ -96,9 +94,9 @@ fn held(run: &Run) -> Option<Implausible> {
         let moved = (2..)
             .zip(run.points.windows(2))
             .filter(|(_, pair)| is_of_setup(pair) && pair[0].state.position != pair[1].state.position);
-        let (mut count, mut rows) = (0.0, Vec::new());
+        let (mut count, mut rows) = (0, Vec::new());
         for (row, pair) in moved {
-            count += 1.0;
+            count += 1;
             if pair[0].reading_mm[..channels] == pair[1].reading_mm[..channels] {
                 rows.push(row);
             }
@@ -107,9 +105,8 @@ fn held(run: &Run) -> Option<Implausible> {
         if channels < 2 || rows.len() < FEWEST {
             return None;
         }
-        let expected = count * same_by_chance(run, setup)?.powi(channels as i32);
-        (rows.len() as f64 > expected + SURE * expected.sqrt())
-            .then(|| held_in(run, setup, &rows, count as usize))
+        let is_held = Displayed::of(run, setup)?.held().is_no_chance();
+        is_held.then(|| held_in(run, setup, &rows, count))
     })
 }
 

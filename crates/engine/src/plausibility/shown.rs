@@ -65,13 +65,7 @@ pub(super) fn would_differ(run: &Run, setup: usize) -> bool {
     Left::of(run, setup, |_, _| false).is_none_or(|left| !left.is_coarse())
 }
 
-/// Chance that two readings of one channel of a setup fall on one step of the display; `None` where that is not known.
-pub(super) fn same_by_chance(run: &Run, setup: usize) -> Option<f64> {
-    let left = Left::of(run, setup, |_, _| false)?;
-    (left.scatter_mm > 0.0).then(|| same_within(left.step_mm, left.scatter_mm))
-}
-
-/// The same of noise of so much.
+/// Chance that two readings of one channel fall on one step of a display, of noise of so much.
 pub(super) fn same_within(step_mm: f64, noise_mm: f64) -> f64 {
     (step_mm / (2.0 * noise_mm * PI.sqrt())).min(1.0)
 }
@@ -103,7 +97,11 @@ impl Left {
                 asked[at] = experiment.points[point].state.setup == setup && is_asked(row, channel);
             }
         }
-        let scatter_mm = scatter_mm(&experiment, |row| (!asked[row]).then(|| left_mm[row]));
+        let of_row = |point: usize, channel: usize| {
+            let row = experiment.rows_of(point).start + channel;
+            (!asked[row]).then(|| left_mm[row])
+        };
+        let scatter_mm = scatter_mm(&experiment, of_row);
         let of_asked = left_mm.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(left, _)| left.abs());
         Some(Self { step_mm, scatter_mm, asked_mm: of_asked.fold(0.0, f64::max) })
     }
@@ -113,11 +111,13 @@ impl Left {
     }
 }
 
-/// Robust standard deviation from one reading of a channel to the next, /√2 [Neumann 1941], mm; `left_mm`: none of rows that are not asked.
-fn scatter_mm(experiment: &Experiment, left_mm: impl Fn(usize) -> Option<f64>) -> f64 {
+/// Robust standard deviation from one reading of a channel to the next, /√2 [Neumann 1941], mm; `left_mm` of a point and a channel: none of
+/// those that are not asked.
+pub(super) fn scatter_mm(experiment: &Experiment, left_mm: impl Fn(usize, usize) -> Option<f64>) -> f64 {
     let of_next = (1..experiment.points.len()).flat_map(|point| {
-        let pairs = experiment.rows_of(point - 1).zip(experiment.rows_of(point));
-        pairs.filter_map(|(before, row)| Some((left_mm(row)? - left_mm(before)?).abs())).collect::<Vec<_>>()
+        let channels = 0..experiment.rows_of(point - 1).len().min(experiment.rows_of(point).len());
+        let from_before = |k: usize| Some((left_mm(point, k)? - left_mm(point - 1, k)?).abs());
+        channels.filter_map(from_before).collect::<Vec<_>>()
     });
     upper_median(&of_next.collect::<Vec<_>>()).unwrap_or(0.0) / MEDIAN_OF_NORMAL / 2f64.sqrt()
 }

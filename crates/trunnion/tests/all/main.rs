@@ -9,6 +9,7 @@ mod collinear_day;
 mod conformity;
 mod examples;
 mod forecast;
+mod good_runs;
 mod joined;
 mod kept;
 mod lengths;

@@ -5,6 +5,7 @@
 
 use super::Channels;
 use crate::Experiment;
+use crate::plausibility::chance::Displayed;
 use crate::plausibility::found::{Implausible, plain};
 use crate::plausibility::shown::SAME_MM;
 use crate::problem::passes::passes;
@@ -34,6 +35,9 @@ impl Channels<'_> {
         }
         let passes = passes(&Experiment::of_points(std::slice::from_ref(self.run)).ok()?).passes;
         if zeros.len() <= passes || !self.would_move(&channels, zeros.iter().copied()) {
+            return None;
+        }
+        if Displayed::of(self.run, self.setup).is_some_and(|displayed| !displayed.zeros().is_no_chance()) {
             return None;
         }
         let rows: Vec<String> = zeros.iter().take(FEWEST).map(|&at| self.rows[at].to_string()).collect();
