@@ -71,7 +71,7 @@ fn write(program: &Program, decimals: usize) -> String {
 fn number_of(name: &str, tool_point: bool) -> u32 {
     let hash =
         name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
-    let pairs = (NUMBERS.end() - NUMBERS.start() + 1) / 2;
+    let pairs = (NUMBERS.end() - NUMBERS.start()).div_ceil(2);
     NUMBERS.start() + 2 * (hash % pairs) + u32::from(tool_point)
 }
 
