@@ -11,12 +11,14 @@ use crate::plausibility::fitted::Tried;
 use crate::plausibility::found::Implausible;
 use crate::plausibility::looked::Looked;
 use crate::problem::passes::passes;
+use std::ops::RangeInclusive;
 use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::RunKind;
 
 /// Turned by no more, a nest may have been set by eye along an edge: 5° are 9 mm over its 100 mm, which everybody sees. Beyond that it was set
-/// otherwise than its calibration says.
-const BY_EYE_DEG: i32 = 5;
+/// otherwise than its calibration says. By more than half a right angle all readings are others, which is gross; where it is not, as at the
+/// short and the long tool after a correction that is right for the mean of both, the sign of what is left alone differs between setups.
+const SMALL_DEG: RangeInclusive<i32> = 6..=45;
 /// Undoing what then fits as well as it repeats divides what is left by this: mean square by four.
 const DIVIDED: f64 = 2.0;
 
@@ -56,7 +58,7 @@ impl Trial<'_> {
         let setups = &self.run.setups;
         let has_points = |setup: &usize| !self.points_of(Some(*setup)).is_empty();
         let turned = (0..setups.len()).filter(|_| setups.len() > 1).filter(has_points).map(|setup| {
-            let (words, left_mm) = self.turned_about_z(setup, BY_EYE_DEG);
+            let (words, left_mm) = self.turned_about_z(setup, SMALL_DEG);
             (format!("{words} (setup {} alone)", setups[setup].name), left_mm)
         });
         turned.collect()

@@ -7,12 +7,13 @@ use super::Trial;
 use super::axes::PROBES;
 use crate::plausibility::fitted::Tried;
 use nalgebra::{Matrix3, Vector3};
+use std::ops::RangeInclusive;
 use trunnion_core::number::signed;
 
 /// The two probes that a turn about the third mixes.
 const ABOUT: [([usize; 2], &str); 3] = [([0, 1], "z"), ([1, 2], "x"), ([2, 0], "y")];
 /// A nest mounted turned by less is its calibration (effect `nest-rotation`), °.
-const TURNED_DEG: i32 = 10;
+const TURNED_DEG: RangeInclusive<i32> = 11..=180;
 
 impl Trial<'_> {
     /// About each of its axes; of one setup, or all.
@@ -20,18 +21,18 @@ impl Trial<'_> {
         ABOUT.iter().map(|about| self.turned_about(*about, setup, TURNED_DEG)).collect()
     }
 
-    /// One setup about z, by more than some degrees.
-    pub(super) fn turned_about_z(&self, setup: usize, by_more_than_deg: i32) -> Tried {
-        self.turned_about(ABOUT[0], Some(setup), by_more_than_deg)
+    /// One setup about z, one way or the other, by an angle of these.
+    pub(super) fn turned_about_z(&self, setup: usize, sizes_deg: RangeInclusive<i32>) -> Tried {
+        self.turned_about(ABOUT[0], Some(setup), sizes_deg)
     }
 
     fn turned_about(
         &self,
         (pair, axis): ([usize; 2], &str),
         setup: Option<usize>,
-        by_more_than_deg: i32,
+        sizes_deg: RangeInclusive<i32>,
     ) -> Tried {
-        let angles = (-180..180).filter(|deg: &i32| deg.abs() > by_more_than_deg);
+        let angles = (-180..180).filter(move |deg: &i32| sizes_deg.contains(&deg.abs()));
         let (deg, left_mm) = self.best_turn(setup, pair, angles, |reading| *reading);
         let deg = signed(f64::from(deg), 0);
         (format!("the nest mounted turned by {deg}° about its {axis} axis"), left_mm)
