@@ -58,12 +58,14 @@ fn a_scale_error_of_a_leg_is_found_with_its_size_and_the_location_errors_with_it
     json(&["add", "linear-scale:Y", &run, "--model", &model, "--json"]);
     let fit = json(&["identify", &run, "--model", &model, "--json"]);
     assert!(fit["rms_um"].as_f64().expect("a number") < 0.22, "{}", fit["rms_um"]);
-    // EX0A = 12 µm is zero by convention; what stands for it takes −16.66 and 28.85 µrad for each µm (A 60 mm from C).
+    // EC0A = −25 µrad is zero by convention: what stands for it is what moves it by 28.85 µrad for each µm of EX0A, and EB0A by −16.66 (A 60 mm
+    // from C).
+    let moved_um = 25.0 / 28.85;
     let expected = [
         ("scale", 50.0),
         ("EY0C", 9.0),
-        ("EB0A", 40.0 - 16.66 * 12.0),
-        ("EC0A", -25.0 + 28.85 * 12.0),
+        ("EB0A", 40.0 - 16.66 * moved_um),
+        ("EX0A", 12.0 - moved_um),
         ("EA0A", 0.0),
         ("EX0C", 0.0),
     ];
