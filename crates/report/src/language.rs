@@ -7,7 +7,7 @@
 mod table;
 
 use crate::markup::escape;
-use table::ENTRIES;
+use table::entries;
 
 /// What a text holds in place of what it says about one machine.
 const HOLE: &str = "{}";
@@ -44,7 +44,7 @@ impl Language {
         if self == Self::English {
             return Some(english.into());
         }
-        let whole = ENTRIES.iter().find(|entry| entry[0] == english);
+        let whole = entries().find(|entry| entry[0] == english);
         let whole = whole.map(|entry| entry[self as usize].to_string());
         whole.or_else(|| self.by_pattern(english)).or_else(|| self.by_parts(english))
     }
@@ -68,7 +68,7 @@ impl Language {
     }
 
     fn by_pattern(self, english: &str) -> Option<String> {
-        let patterns = ENTRIES.iter().filter(|entry| entry[0].contains(HOLE));
+        let patterns = entries().filter(|entry| entry[0].contains(HOLE));
         let found = patterns.filter_map(|entry| Some((entry, holes(entry[0], english)?)));
         // The entry that leaves least open says most.
         let (entry, held) =
@@ -136,11 +136,11 @@ mod tests {
 
     #[test]
     fn no_entry_lacks_a_language_or_a_hole() {
-        for entry in ENTRIES {
+        for entry in entries() {
             assert!(entry.iter().all(|text| !text.trim().is_empty()), "{entry:?}");
             let count = |text: &str| text.matches(HOLE).count();
             assert!(entry.iter().all(|text| count(text) == count(entry[0])), "{entry:?}");
-            assert_eq!(ENTRIES.iter().filter(|other| other[0] == entry[0]).count(), 1, "twice: {entry:?}");
+            assert_eq!(entries().filter(|other| other[0] == entry[0]).count(), 1, "twice: {entry:?}");
         }
     }
 

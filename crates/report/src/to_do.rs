@@ -57,10 +57,11 @@ fn before_the_model_explains(input: &Comparison, diagnosis: &Diagnosis) -> Strin
     }
 }
 
-fn ask(frozen: Option<&Prediction>) -> &'static str {
+/// What to ask, or to do after values were held against runs.
+pub(crate) fn ask(frozen: Option<&Prediction>) -> &'static str {
     match frozen.map(|frozen| frozen.runs.iter().all(RunPrediction::holds)) {
         None => "Ask which effect is missing: trunnion diagnose with the same runs and model.",
-        Some(true) => "Change nothing: the kept values still describe the machine.",
+        Some(true) => "Change nothing: the fitted values still describe the machine.",
         Some(false) => {
             "Ask what changed since the values were fitted: trunnion history with the runs of this machine."
         }

@@ -3,11 +3,11 @@
 mod frozen;
 mod trial;
 
+pub(crate) use frozen::frozen_headline;
 pub use frozen::{differences, frozen_sentences, not_in_band};
 pub use trial::trial_verdict;
 
 use crate::number::{percent, um, um_or_dash};
-use frozen::frozen_headline;
 use trunnion_results::{
     Candidate, Comparison, Diagnosis, FormulaProposal, Ladder, LeftOut, Parameter, Question, SpectrumWave,
     Together, Verdict,
@@ -20,7 +20,7 @@ pub fn headline(input: &Comparison) -> String {
     let rms_um = input.identification.rms_um;
     let left = um(rms_um);
     if let Some(frozen) = &input.frozen {
-        return frozen_headline(frozen);
+        return frozen_headline(frozen).into();
     }
     let Some(diagnosis) = &input.diagnosis else {
         return match input.identification.noise_um {

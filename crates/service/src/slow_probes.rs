@@ -1,7 +1,7 @@
 //! Probes that are read so slowly that a program of the cycle does not stand long enough for a point.
 
 use std::time::Duration;
-use trunnion::cycles::{Motion, Pace};
+use trunnion::cycles::{CourseRules, Motion};
 use trunnion_acquire::DeviceConfig;
 use trunnion_sync::StaticRules;
 use trunnion_sync::plan::Plan;
@@ -18,18 +18,17 @@ pub fn too_slow(devices: &[DeviceConfig], plan: &Plan) -> Option<String> {
 }
 
 fn said(rules: &StaticRules, every: Duration, name: &str) -> Option<String> {
-    let settle_s = Pace::default().settle_s;
-    // The dwell of `nc-program`: settling and two windows.
-    let (window_s, most_s) = (rules.window_s(every.as_secs_f64()), 2.0 * rules.settle.window_s);
+    let course = CourseRules::default();
+    let (window_s, stands_s) = (rules.window_s(every.as_secs_f64()), course.dwell_of(rules.settle.window_s));
+    let most_s = stands_s - course.pace.settle_s;
     (window_s > most_s).then(|| {
         let longest_ms = (1e3 * most_s / (window_s / every.as_secs_f64())).floor();
         format!(
-            "{name} is read every {} ms, so that a point takes {window_s:.1} s at rest, and a program of nc-program stands {:.1} s at a \
+            "{name} is read every {} ms, so that a point takes {window_s:.1} s at rest, and a program of nc-program stands {stands_s:.1} s at a \
              pose: read it every {longest_ms} ms (poll_ms, sync_ms), or write the program with --dwell-s {:.0}; before that poses may stay \
              without a reading",
             every.as_millis(),
-            settle_s + most_s,
-            (settle_s + 2.0 * window_s).ceil(),
+            course.dwell_of(window_s).ceil(),
         )
     })
 }

@@ -85,7 +85,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let output = folder_of_its_own(&args.output)?;
     if output != args.output {
         terminal::remark(&format!(
-            "{} holds a demo of another machine; this one is in {}",
+            "{} holds a demo already; this one is in {}",
             args.output.display(),
             output.display()
         ));
@@ -99,8 +99,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 
 /// The folder asked for, or the next number where it holds a demo: recordings, truth and report of one machine stay together.
 fn folder_of_its_own(folder: &Path) -> anyhow::Result<PathBuf> {
-    let is_free = |folder: &PathBuf| !folder.join(TRUTH).exists();
-    if is_free(&folder.to_owned()) {
+    let is_free = |folder: &Path| !folder.join(TRUTH).exists();
+    if is_free(folder) {
         return Ok(folder.to_owned());
     }
     let name = folder.file_name().with_context(|| {
@@ -113,7 +113,7 @@ fn folder_of_its_own(folder: &Path) -> anyhow::Result<PathBuf> {
     };
     (2..10_000)
         .map(numbered)
-        .find(is_free)
+        .find(|folder| is_free(folder))
         .context("there are too many demos; --output FOLDER takes another folder")
 }
 

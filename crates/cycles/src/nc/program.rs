@@ -26,7 +26,7 @@ pub struct Program {
     pub number: Option<u32>,
 }
 
-/// A running time as people are told it: the next whole minute, so that nobody is early.
+/// A running time as it is shown: the next whole minute, so that nobody is early.
 pub fn whole_minutes(duration_s: f64) -> u32 {
     (duration_s / 60.0).ceil() as u32
 }

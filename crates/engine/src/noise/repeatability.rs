@@ -15,6 +15,7 @@ use crate::Experiment;
 use crate::fit::identification::{Approach, Repeatability};
 use crate::noise::learned::display::{Display, nominal_mm};
 use crate::problem::passes::Passes;
+use crate::problem::poses::{side, sides_asked};
 use nalgebra::Vector3;
 use std::collections::HashMap;
 use trunnion_core::Joint;
@@ -64,13 +65,9 @@ pub(crate) fn repeatability(experiment: &Experiment, passes: &Passes) -> Option<
 /// badly from the other side. `None` for a channel that does not say.
 pub(crate) fn of_channels_mm(experiment: &Experiment, passes: &Passes) -> Vec<Option<f64>> {
     let joints = experiment.machine().joints();
-    let of_one = joints.iter().map(std::slice::from_ref);
-    let of_sides: Vec<Vec<Repeat>> = [&joints[..], &[]]
-        .into_iter()
-        .chain(of_one)
-        .map(|from_one_side| repeats(experiment, passes, from_one_side))
-        .collect();
-    let channels = of_sides[1].iter().map(|repeat| repeat.difference_mm.len()).max().unwrap_or(0);
+    let of_sides: Vec<Vec<Repeat>> =
+        sides_asked(&joints).into_iter().map(|joints| repeats(experiment, passes, joints)).collect();
+    let channels = of_sides[0].iter().map(|repeat| repeat.difference_mm.len()).max().unwrap_or(0);
     let of_channel = |channel: usize| {
         let sigmas_mm = of_sides.iter().filter_map(|repeats| {
             let own = differences(repeats).filter(|(k, _)| *k == channel).map(|(_, d)| d.abs());
@@ -147,9 +144,7 @@ fn repeats(experiment: &Experiment, passes: &Passes, from_one_side: &[Joint]) ->
     let mut last_visit = HashMap::new();
     let mut repeats = Vec::new();
     for (i, pose) in experiment.poses().into_iter().enumerate() {
-        let direction = experiment.points[i].state.direction;
-        let side = |&joint: &Joint| (direction[joint] > 0.0, direction[joint] < 0.0);
-        let from: Vec<(bool, bool)> = from_one_side.iter().map(side).collect();
+        let from = side(&experiment.points[i].state, from_one_side);
         let key = (experiment.run_of_point[i], pose, from);
         let Some(first) = last_visit.insert(key, i) else { continue };
         let readings = 0..experiment.rows_of(i).len();

@@ -8,9 +8,11 @@
 
 use super::fitted::Fitted;
 use super::looked::{thinned, with_points};
-use super::shown::{SAME_MM, Shown, scatter_mm};
+use super::shown::{SAME_MM, Shown, from_next_mm};
 use crate::Experiment;
 use crate::noise::learned::display::nominal_readings_mm;
+use crate::solve::normal::below;
+use std::f64::consts::PI;
 use trunnion_core::Point;
 use trunnion_cycles::Run;
 
@@ -60,7 +62,10 @@ impl Displayed {
             let is_own = |at: usize| experiment.points[at].state.setup == setup;
             let of_row = |at: usize, k: usize| (is_own(at) && k == channel).then(|| left_mm[row(at, k)]);
             let of_rounding_mm = OF_ROUNDING * step_mm;
-            let squares = scatter_mm(&experiment, of_row).powi(2) - of_rounding_mm.powi(2);
+            // Of a normal law the mean difference of two is 2σ/√π. The median would be zero where half of the rows were held.
+            let apart_mm = from_next_mm(&experiment, of_row);
+            let mean_mm = apart_mm.iter().sum::<f64>() / apart_mm.len().max(1) as f64;
+            let squares = (0.5 * PI.sqrt() * mean_mm).powi(2) - of_rounding_mm.powi(2);
             squares.max(of_rounding_mm.powi(2)).sqrt()
         };
         let expected_of = |channel: usize| {
@@ -143,27 +148,6 @@ impl Displayed {
     fn chance(&self, channel: usize, value_mm: f64, expected_mm: f64) -> f64 {
         let off = (value_mm - expected_mm) / self.sigma_mm[channel];
         let half = 0.5 * self.step_mm / self.sigma_mm[channel];
-        below_of_normal(off + half) - below_of_normal(off - half)
-    }
-}
-
-/// Share of a standard normal distribution below x [Abramowitz 1964 §7.1.26: within 1.5·10⁻⁷].
-fn below_of_normal(x: f64) -> f64 {
-    const A: [f64; 5] = [0.254_829_592, -0.284_496_736, 1.421_413_741, -1.453_152_027, 1.061_405_429];
-    let z = x.abs() / 2_f64.sqrt();
-    let t = 1.0 / (1.0 + 0.327_591_1 * z);
-    let beyond = 0.5 * t * A.iter().rev().fold(0.0, |sum, a| sum * t + a) * (-z * z).exp();
-    if x > 0.0 { 1.0 - beyond } else { beyond }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shares_of_a_normal_distribution_are_those_of_tables() {
-        for (x, share) in [(0.0, 0.5), (1.0, 0.841_344_7), (-1.96, 0.024_997_9), (-4.0, 3.17e-5)] {
-            assert!((below_of_normal(x) - share).abs() < 2e-7, "{x}");
-        }
+        below(off + half) - below(off - half)
     }
 }

@@ -92,6 +92,25 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     })
 }
 
+/// Readings that are not gross, and do not fit their positions as well as they repeat: before and with the mistake undone, mm.
+fn unfit(
+    run: &Run,
+    repeated: &Repeatability,
+    before_mm: f64,
+    (mistake, left_mm): Tried,
+    to_do: &str,
+) -> Implausible {
+    let [before_um, left_um, repeat_um] = [before_mm, left_mm, repeated.sigma_mm].map(um_from_mm);
+    Implausible {
+        finding: format!(
+            "{}: the readings do not fit their positions: {before_um:.2} µm rms are left, and they repeat within {repeat_um:.2} µm.",
+            run.name
+        ),
+        hypothesis: format!("With {mistake}, {left_um:.2} µm are left. {to_do}"),
+        rms_um_with_it: Some(left_um),
+    }
+}
+
 /// Whether what is left is no more than readings repeat: it exceeds that by no more than so many standard deviations of it.
 fn fits(repeated: &Repeatability, left_mm: f64) -> bool {
     // The variance of so many repeats has the relative standard deviation √(2/ν) [normal distribution].

@@ -4,10 +4,10 @@ use super::exchanged::{self, GROSS_UM};
 use super::found::Implausible;
 use super::looked::Looked;
 use super::path;
-use crate::problem::poses::{number, same_pose};
+use crate::problem::poses::{number, same_pose, side, sides_asked};
 use std::collections::HashMap;
+use trunnion_core::Point;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::{Joint, Point};
 use trunnion_cycles::Run;
 
 /// Readings of one pose scatter by at least this share of the scatter of all poses: they do not depend on the pose. Of noise alone the
@@ -49,9 +49,10 @@ fn nothing_but_scatter(run: &Run) -> Option<Implausible> {
     let setup: Vec<usize> = run.points.iter().map(|point| point.state.setup).collect();
     let positions: Vec<_> = run.points.iter().map(|point| &point.state.position).collect();
     let poses = same_pose(setup.clone(), &positions, &joints);
-    let of_one = joints.iter().map(std::slice::from_ref);
-    let within = [&[], &joints[..]].into_iter().chain(of_one).filter_map(|from_one_side: &[Joint]| {
-        scatter_um(run, components, &poses_from_one_side(run, &poses, from_one_side))
+    let within = sides_asked(&joints).into_iter().filter_map(|joints| {
+        let from_one_side =
+            run.points.iter().zip(&poses).map(|(point, pose)| (pose, side(&point.state, joints)));
+        scatter_um(run, components, &number(from_one_side))
     });
     let (within_um, all_um) = (within.reduce(f64::min)?, scatter_um(run, components, &setup)?);
     let is_nothing_else = |scatter_um: f64| scatter_um > GROSS_UM && scatter_um > NO_STRUCTURE * all_um;
@@ -64,16 +65,6 @@ fn nothing_but_scatter(run: &Run) -> Option<Implausible> {
         hypothesis: "The readings do not depend on the pose. Check that ball, nest and probes are firm, and the file.".into(),
         rms_um_with_it: None,
     })
-}
-
-/// Numbers of poses, apart by the side from which some axes came.
-fn poses_from_one_side(run: &Run, poses: &[usize], joints: &[Joint]) -> Vec<usize> {
-    let side = |(point, &pose): (&Point, &usize)| {
-        let of_joint =
-            |&joint: &Joint| (point.state.direction[joint] > 0.0, point.state.direction[joint] < 0.0);
-        (pose, joints.iter().map(of_joint).collect::<Vec<_>>())
-    };
-    number(run.points.iter().zip(poses).map(side))
 }
 
 /// Scatter of the readings of groups about their means, rms, µm; `None` of too few.

@@ -21,8 +21,8 @@ use trunnion_cycles::{Run, RunKind};
 
 /// So many rows are needed before equal halves, or setups, are copies and no chance.
 pub(super) const FEWEST: usize = 8;
-/// More rows with the readings of the row before than by chance: four standard deviations of a count [Poisson], one in 30 000.
-pub(super) const SURE: f64 = 4.0;
+/// More equal rows than by chance: four standard deviations of a count [Poisson], one in 30 000.
+const SURE: f64 = 4.0;
 /// Repeatability of a reading at rest below which the unit is doubted, µm: no axis comes back so well. 0.5 µm, a usual repeatability, is
 /// 0.5/25.4 = 0.02 µm where readings in thousandths of an inch are taken for µm. A judgement, tuned on no data.
 pub(super) const TOO_FINE_UM: f64 = 0.02;

@@ -101,7 +101,9 @@ impl Left {
             let row = experiment.rows_of(point).start + channel;
             (!asked[row]).then(|| left_mm[row])
         };
-        let scatter_mm = scatter_mm(&experiment, of_row);
+        // Robust, /√2 [Neumann 1941].
+        let apart_mm = upper_median(&from_next_mm(&experiment, of_row)).unwrap_or(0.0);
+        let scatter_mm = apart_mm / MEDIAN_OF_NORMAL / 2f64.sqrt();
         let of_asked = left_mm.iter().zip(&asked).filter(|(_, asked)| **asked).map(|(left, _)| left.abs());
         Some(Self { step_mm, scatter_mm, asked_mm: of_asked.fold(0.0, f64::max) })
     }
@@ -111,13 +113,15 @@ impl Left {
     }
 }
 
-/// Robust standard deviation from one reading of a channel to the next, /√2 [Neumann 1941], mm; `left_mm` of a point and a channel: none of
-/// those that are not asked.
-pub(super) fn scatter_mm(experiment: &Experiment, left_mm: impl Fn(usize, usize) -> Option<f64>) -> f64 {
+/// What a channel differs from its reading before, without sign, mm; `left_mm` of a point and a channel: none of those that are not asked.
+pub(super) fn from_next_mm(
+    experiment: &Experiment,
+    left_mm: impl Fn(usize, usize) -> Option<f64>,
+) -> Vec<f64> {
     let of_next = (1..experiment.points.len()).flat_map(|point| {
         let channels = 0..experiment.rows_of(point - 1).len().min(experiment.rows_of(point).len());
         let from_before = |k: usize| Some((left_mm(point, k)? - left_mm(point - 1, k)?).abs());
         channels.filter_map(from_before).collect::<Vec<_>>()
     });
-    upper_median(&of_next.collect::<Vec<_>>()).unwrap_or(0.0) / MEDIAN_OF_NORMAL / 2f64.sqrt()
+    of_next.collect()
 }

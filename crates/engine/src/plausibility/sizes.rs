@@ -15,8 +15,8 @@ use trunnion_cycles::{Run, RunKind};
 
 /// Readings that are all smaller: no ball is set so well in its nest, and no probe is worth less than its last digit, µm.
 const TOO_SMALL_UM: f64 = 0.5;
-/// Repeatability of a reading at rest above which the unit is doubted: a worn machine comes back within some 10 µm, and what is loose is doubted as scatter. 0.1 µm is 100 µm where
-/// nanometres are taken for µm.
+/// Repeatability of a reading at rest above which the unit is doubted: a worn machine comes back within some 10 µm, and what is loose is doubted
+/// as scatter. 0.1 µm is 100 µm where nanometres are taken for µm.
 const TOO_COARSE_UM: f64 = 50.0;
 
 /// Probes of one nest read one ball: one that repeats so many times worse than every other, and worse than [`LOOSE_UM`], is loose.

@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 use std::hash::Hash;
-use trunnion_core::{AxisValues, Joint};
+use trunnion_core::{AxisValues, Joint, State};
 use trunnion_effects::same_position;
 
 /// Positions that go on without a step for longer than this many times [`same_position`] are no stand.
@@ -26,6 +26,17 @@ pub(crate) fn stood(positions: &[&AxisValues<f64>], joint: Joint) -> Vec<f64> {
         (*sum, *number) = (*sum + position[joint], *number + 1.0);
     }
     stand.iter().map(|&stand| sums[stand].0 / sums[stand].1).collect()
+}
+
+/// The joints of which the side counts from which a pose was reached: of none, of all, of each. An axis may come back badly from the other side.
+pub(crate) fn sides_asked(joints: &[Joint]) -> Vec<&[Joint]> {
+    [&[], joints].into_iter().chain(joints.iter().map(std::slice::from_ref)).collect()
+}
+
+/// From which side some joints came: up, or down.
+pub(crate) fn side(state: &State, joints: &[Joint]) -> Vec<(bool, bool)> {
+    let direction = |&joint: &Joint| state.direction[joint];
+    joints.iter().map(direction).map(|way| (way > 0.0, way < 0.0)).collect()
 }
 
 /// Numbers groups of positions within the groups given, in order of appearance.

@@ -2,7 +2,8 @@
 
 use super::table::{clean, paragraph, titled};
 use crate::number::{percent, um};
-use crate::words::{differences, not_in_band};
+use crate::to_do::ask;
+use crate::words::{differences, frozen_headline, not_in_band};
 use std::iter::once;
 use trunnion_results::{Prediction, RunPrediction};
 
@@ -52,18 +53,8 @@ pub fn prediction_text(prediction: &Prediction) -> String {
     out + &not_in_band(prediction).map_or(String::new(), |sentence| paragraph(&sentence))
 }
 
-/// Whether the values hold on the runs that they were not fitted to, and what to do where they do not.
+/// As of kept values in a comparison; nothing of runs that were all fitted.
 fn verdict(prediction: &Prediction) -> Option<String> {
-    let others: Vec<&RunPrediction> = prediction.runs.iter().filter(|run| !run.was_fitted).collect();
-    let not_held = others.iter().filter(|run| !run.holds());
-    let names: Vec<String> = not_held.map(|run| clean(&run.run)).collect();
-    match names.is_empty() {
-        _ if others.is_empty() => None,
-        true => Some("The values hold: they predict these runs.".into()),
-        false => Some(format!(
-            "The values do not hold for {}. Ask what changed: trunnion history with the runs of this machine, or identify the new run alone \
-             and compare the values.",
-            names.join(", ")
-        )),
-    }
+    let is_one_predicted = prediction.runs.iter().any(|run| !run.was_fitted);
+    is_one_predicted.then(|| format!("{}. {}", frozen_headline(prediction), ask(Some(prediction))))
 }

@@ -3,11 +3,11 @@
 use crate::number::{percent, um, with_unit};
 use trunnion_results::{Prediction, RunPrediction, Taken};
 
-/// How far kept values predict the runs, in one line.
-pub(super) fn frozen_headline(frozen: &Prediction) -> String {
+/// How far fitted values predict the runs, in one line.
+pub(crate) fn frozen_headline(frozen: &Prediction) -> &'static str {
     match frozen.runs.iter().all(RunPrediction::holds) {
-        true => "The kept values predict these runs".into(),
-        false => "These runs differ from what the kept values predict".into(),
+        true => "The fitted values predict these runs",
+        false => "These runs differ from what the fitted values predict",
     }
 }
 

@@ -55,14 +55,16 @@ fn a_prediction_says_whether_the_values_hold() {
     let of = |runs: Vec<RunPrediction>| {
         on_one_line(&prediction_text(&Prediction { runs, ..Prediction::default() }))
     };
-    assert!(of(vec![run("tuesday", 0.96, false)]).starts_with("The values hold"));
-    let said = of(vec![run("monday", 0.2, true), run("tuesday", 0.96, false), run("after", 0.05, false)]);
+    let holds = of(vec![run("tuesday", 0.96, false)]);
+    assert!(holds.starts_with("The fitted values predict these runs. Change nothing"), "{holds}");
+    let said = of(vec![run("monday", 0.96, true), run("tuesday", 0.96, false), run("after", 0.05, false)]);
     assert!(
-        said.starts_with("The values do not hold for after. Ask what changed: trunnion history"),
+        said.starts_with("These runs differ from what the fitted values predict. Ask what changed since")
+            && said.contains("trunnion history"),
         "{said}"
     );
     assert!(
-        !of(vec![run("monday", 0.96, true)]).contains("values hold"),
+        !of(vec![run("monday", 0.96, true)]).contains("values predict these"),
         "of what was fitted nothing is predicted"
     );
 }

@@ -91,7 +91,9 @@ fn doubts_and_places_of_a_report_are_of_one_language() {
     ];
     for text in said.chain(places.map(String::from)) {
         for language in [Language::German, Language::Japanese] {
-            let said = language.say(&text).unwrap_or_else(|| panic!("no entry in language/table.rs: {text}"));
+            let said = language
+                .say(&text)
+                .unwrap_or_else(|| panic!("no entry in crates/report/src/language/table: {text}"));
             let english = [" the ", " is ", " at ", " of ", " than ", "table ", "both ", "only "];
             assert!(english.iter().all(|word| !said.contains(word)), "{said}");
         }

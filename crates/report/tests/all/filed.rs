@@ -126,12 +126,15 @@ fn no_label_of_a_report_stays_english() {
     for language in [Language::German, Language::Japanese] {
         let missing: Vec<&String> =
             known.iter().filter(|label| !stays(label) && language.say(label).is_none()).collect();
-        assert!(missing.is_empty(), "no entry in crates/report/src/language/table.rs: {missing:#?}");
+        assert!(missing.is_empty(), "no entry in crates/report/src/language/table: {missing:#?}");
     }
     for effect in trunnion_effects::catalogue::REGISTRY {
         let name = format!("{} (an:ID)", effect.about.title);
         let [german, japanese] = [Language::German, Language::Japanese].map(|language| language.say(&name));
-        assert!(german.is_some() && japanese.is_some(), "no entry in language/table.rs: {name}");
+        assert!(
+            german.is_some() && japanese.is_some(),
+            "no entry in crates/report/src/language/table: {name}"
+        );
     }
     let german = report_html(&report(), Language::German);
     assert!(german.contains("nicht bestanden") && german.contains("<html lang=\"de\">"), "the verdict too");

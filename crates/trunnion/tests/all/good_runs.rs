@@ -44,11 +44,11 @@ fn a_display_coarser_than_the_noise_of_a_machine_without_errors_raises_no_doubt(
 }
 
 #[test]
-fn rows_that_hold_the_readings_before_are_named_behind_a_display_finer_than_the_noise() {
+fn rows_that_hold_the_readings_before_are_named_behind_such_a_display() {
     for seed in 0..SEEDS {
-        let mut files = quiet(0.1, 0.5, &mut Chance(seed));
+        let mut files = quiet(0.5, 0.5, &mut Chance(seed));
         let columns = READINGS.map(|name| files.column(name));
-        for row in (1..files.rows.len()).filter(|row| row % 3 != 0) {
+        for row in (2..files.rows.len()).step_by(3) {
             columns
                 .into_iter()
                 .for_each(|column| files.rows[row][column] = files.rows[row - 1][column].clone());

@@ -94,7 +94,7 @@ fn a_model_file_predicts_like_the_fit_that_left_its_values() {
     }
     let text = trunnion::report::compare_text(&compared);
     assert!(
-        text.starts_with("The kept values predict these runs") && text.contains("no prediction"),
+        text.starts_with("The fitted values predict these runs") && text.contains("no prediction"),
         "{text}"
     );
 

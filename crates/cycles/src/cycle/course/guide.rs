@@ -160,7 +160,7 @@ impl<'a> Guide<'a> {
     /// One pass of a grid or a line, read at rest.
     pub fn stand(&mut self, leg: &Leg) -> Result<(), VisitError> {
         let Some(settle) = self.cycle.settle() else { return Ok(()) };
-        let seconds = self.rules.dwell_s.unwrap_or(self.rules.pace.settle_s + 2.0 * settle.window_s);
+        let seconds = self.rules.dwell_of(settle.window_s);
         let mut before: Option<AxisValues<f64>> = None;
         for station in self.cycle.stations(self.machine, leg.setup, leg.pass) {
             let line = self.cycle.before_line(leg.setup, leg.pass, &station.asked);

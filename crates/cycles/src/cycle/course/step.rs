@@ -50,6 +50,13 @@ impl Default for CourseRules {
     }
 }
 
+impl CourseRules {
+    /// Dwell at a pose at rest of a cycle with windows so long, s.
+    pub fn dwell_of(&self, window_s: f64) -> f64 {
+        self.dwell_s.unwrap_or(self.pace.settle_s + 2.0 * window_s)
+    }
+}
+
 /// One step of a course. Positions are of all axes, mm and rad; every move is straight in axis space.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {

@@ -5,7 +5,7 @@
 //! physics of four sizes was taken for it (tests/tests/all/plausible_runs.rs). Blocks hold several rows each: their readings are taken between
 //! neighbours, at the time that so many rows make.
 
-use super::{AS_GOOD, BELIEVED, MOST_ROWS_LATE, Trial, Tried, fits};
+use super::{AS_GOOD, BELIEVED, CHANGE, MOST_ROWS_LATE, Trial, Tried, fits, unfit};
 use crate::noise::repeatability::repeatability;
 use crate::plausibility::fitted::{Fitted, columns};
 use crate::plausibility::found::Implausible;
@@ -13,7 +13,6 @@ use crate::plausibility::looked::Looked;
 use crate::problem::passes::passes;
 use nalgebra::DMatrix;
 use std::collections::HashMap;
-use trunnion_core::convert::um_from_mm;
 use trunnion_core::statistics::{median, rms};
 use trunnion_cycles::RunKind;
 
@@ -36,17 +35,8 @@ pub(in crate::plausibility) fn by_rows(looked: &Looked) -> Option<Implausible> {
     // more is left than they repeat within.
     let is_explained =
         fits(&repeated, left_mm) && before_mm > AS_GOOD * left_mm || before_mm > BELIEVED * left_mm;
-    (!fits(&repeated, before_mm) && is_explained).then(|| {
-        let [before_um, left_um, repeat_um] = [before_mm, left_mm, repeated.sigma_mm].map(um_from_mm);
-        Implausible {
-            finding: format!(
-                "{}: the readings do not fit their positions: {before_um:.2} µm rms are left, and they repeat within {repeat_um:.2} µm.",
-                run.name
-            ),
-            hypothesis: format!("With {mistake}, {left_um:.2} µm are left. Change it?"),
-            rms_um_with_it: Some(left_um),
-        }
-    })
+    let is_late = !fits(&repeated, before_mm) && is_explained;
+    is_late.then(|| unfit(run, &repeated, before_mm, (mistake, left_mm), CHANGE))
 }
 
 /// Readings that another row holds; of the rows at an end of a setup none.

@@ -36,6 +36,7 @@ impl Trial<'_> {
         let all = Instance::all(self.experiment.machine()).into_iter();
         all.filter(is_of_axis).filter(can_be).map(left).fold(f64::INFINITY, f64::min)
     }
+
     /// With one slip of the ball or nest on the table, at whatever point; infinite without times.
     fn of_a_slip_mm(&self) -> f64 {
         let (scene, points) = (&self.experiment.scene, &self.experiment.points);

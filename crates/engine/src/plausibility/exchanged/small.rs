@@ -5,14 +5,13 @@
 //! turn makes of all other errors. In 123 runs of two setups of the second simulator, with its physics known and unknown, no turn took more than 12 %
 //! off what is left. Readings that had not settled repeat badly, so that what they leave does not look gross.
 
-use super::{AS_GOOD, BELIEVED, CHANGE, DWELL, Trial, fits};
+use super::{AS_GOOD, BELIEVED, CHANGE, DWELL, Trial, fits, unfit};
 use crate::noise::repeatability::repeatability;
 use crate::plausibility::fitted::Tried;
 use crate::plausibility::found::Implausible;
 use crate::plausibility::looked::Looked;
 use crate::problem::passes::passes;
 use std::ops::RangeInclusive;
-use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::RunKind;
 
 /// Turned by no more, a nest may have been set by eye along an edge: 5° are 9 mm over its 100 mm, which everybody sees. Beyond that it was set
@@ -39,17 +38,7 @@ pub(in crate::plausibility) fn small(looked: &Looked) -> Option<Implausible> {
     let ((words, left_mm), to_do) = tried.min_by(|((_, a), _), ((_, b), _)| a.total_cmp(b))?;
     let divided = if fits(&repeated, left_mm) { DIVIDED } else { BELIEVED };
     let is_believed = before_mm > divided * left_mm && trial.of_an_effect_mm() > AS_GOOD * left_mm;
-    is_believed.then(|| {
-        let [before_um, left_um, repeat_um] = [before_mm, left_mm, repeated.sigma_mm].map(um_from_mm);
-        Implausible {
-            finding: format!(
-                "{}: the readings do not fit their positions: {before_um:.2} µm rms are left, and they repeat within {repeat_um:.2} µm.",
-                run.name
-            ),
-            hypothesis: format!("With {words}, {left_um:.2} µm are left. {to_do}"),
-            rms_um_with_it: Some(left_um),
-        }
-    })
+    is_believed.then(|| unfit(run, &repeated, before_mm, (words, left_mm), to_do))
 }
 
 impl Trial<'_> {
