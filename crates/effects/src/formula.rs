@@ -146,7 +146,7 @@ impl Formula {
             names: self.nonlinear.clone(),
             grid: self.grid.clone(),
             continuous: !self.nonlinear.is_empty() && self.grid.len() > 1,
-            wave: None,
+            ..Shapes::default()
         }
     }
 

@@ -136,6 +136,8 @@ pub struct Shapes {
     pub continuous: bool,
     /// Set where the number is that of a wave along an axis, which may have any value: the grid holds known ones only.
     pub wave: Option<WaveNumber>,
+    /// Shape numbers that these poses show as other ones: no fit tries them, but they may be what looks like another effect.
+    pub aliased: Vec<Vec<f64>>,
 }
 
 /// A shape number that says how a wave repeats along an axis.
@@ -173,7 +175,18 @@ impl Shapes {
     /// One shape number with these grid values.
     pub fn one(name: &str, values: impl IntoIterator<Item = f64>, continuous: bool) -> Self {
         let grid = values.into_iter().map(|v| vec![v]).collect();
-        Self { names: vec![name.into()], grid, continuous, wave: None }
+        Self { names: vec![name.into()], grid, continuous, ..Self::default() }
+    }
+
+    /// The same with values of one number that these poses show as others.
+    #[must_use]
+    pub fn aliasing(self, values: impl IntoIterator<Item = f64>) -> Self {
+        Self { aliased: values.into_iter().map(|v| vec![v]).collect(), ..self }
+    }
+
+    /// All that the effect may have: what a fit tries, and what these poses show as something else.
+    pub fn possible(self) -> Vec<Vec<f64>> {
+        self.grid.into_iter().chain(self.aliased).collect()
     }
 
     /// The same where the number is that of a wave, which may have any value.

@@ -3,7 +3,7 @@
 use crate::Subject;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use trunnion_core::{Joint, State};
-use trunnion_machine::{Axis, Machine, Side, Site};
+use trunnion_machine::{Axis, Machine, Site};
 
 /// One subject for every rotary axis of the machine.
 pub fn every_rotary(machine: &Machine) -> Vec<Subject> {
@@ -46,11 +46,9 @@ pub(crate) fn rotary_below(machine: &Machine, letter: Joint) -> Option<&Axis> {
         .find(|axis| axis.is_rotary() && axis.direction.cross(&own).norm() > 1e-3)
 }
 
-/// True for a rotary axis under the workpiece whose line is not vertical: gravity acts differently at each angle.
-pub(crate) fn tilts_the_table(machine: &Machine, axis: &Axis) -> bool {
-    axis.is_rotary()
-        && machine.side(axis.letter) == Some(Side::Table)
-        && axis.direction.cross(&Vector3::z()).norm() > 1e-3
+/// True for a rotary axis whose line is not vertical: gravity acts differently at each angle on what it carries, a table or a head.
+pub(crate) fn tilts(axis: &Axis) -> bool {
+    axis.is_rotary() && axis.direction.cross(&Vector3::z()).norm() > 1e-3
 }
 
 /// The two directions across an axis, right-handed with it, with the letters they are nearest to (X, Y, Z by index).

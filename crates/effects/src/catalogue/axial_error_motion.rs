@@ -5,7 +5,8 @@
 
 use crate::subjects::{axis_of, every_rotary};
 use crate::{
-    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+    About, Effect, Emit, Example, Golden, Limit, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit,
+    View,
 };
 use trunnion_core::{State, Twist};
 use trunnion_machine::Site;
@@ -47,10 +48,18 @@ pub(crate) static EFFECT: Effect = Effect {
     },
 };
 
+/// Bearings of rotary tables run out by some micrometres, axially and radially; ten times the worst of these is no bearing. A judgement, tuned
+/// on no data.
+pub(super) const RUN_OUT: Limit = Limit {
+    largest: 100.0,
+    beyond: "no bearing that still turns runs out so far; something else that comes back at every turn is behind it",
+    resembles: false,
+};
+
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     match axis_of(&scene.machine, subject) {
         Some(axis) if scene.moves(axis.letter) => {
-            ["cos", "sin"].map(|name| Parameter::new(name, Unit::UM)).into()
+            ["cos", "sin"].map(|name| Parameter::new(name, Unit::UM).at_most(RUN_OUT)).into()
         }
         _ => Vec::new(),
     }

@@ -4,7 +4,8 @@
 //! N: any number that the residual shows; 3…12 (harmonics of the wheel) and, where the machine file gives gear_teeth, the teeth, one more
 //! and one fewer, and their double, are tried in any case.
 //! Limits: on a grid of poses with step Δ, N is the same as 2π/Δ ± N: only N ≤ π/Δ is tried, and the teeth, which a machine has at any step:
-//! they look like a few cycles a turn there, and are then confounded with what else has these.
+//! they look like a few cycles a turn there, and are then confounded with what else has these. Teeth that look like one or two cycles are
+//! rivals of an encoder's error.
 
 use crate::subjects::{axis_of, every_rotary};
 use crate::{
@@ -12,7 +13,7 @@ use crate::{
     WaveNumber,
 };
 use trunnion_core::State;
-use trunnion_machine::Site;
+use trunnion_machine::{Axis, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "drive-pitch",
@@ -63,21 +64,26 @@ fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     }
 }
 
+/// The most teeth that the wheel of a rotary axis has: one a degree.
+const MOST_TEETH: f64 = 360.0;
+
 fn shapes(scene: &Scene, subject: Subject) -> Shapes {
-    let mut cycles: Vec<f64> = (3..=12).map(f64::from).collect();
-    let teeth = axis_of(&scene.machine, subject).and_then(|axis| axis.facts.gear_teeth);
-    if let Some(teeth) = teeth {
-        cycles.extend([teeth - 1.0, teeth, teeth + 1.0, 2.0 * teeth].into_iter().filter(|n| *n > 12.0));
-    }
-    if let Some(axis) = axis_of(&scene.machine, subject) {
-        let most = scene.most_cycles(axis.letter) + 1e-6;
-        cycles.retain(|n| *n <= most.max(FEWEST) || Some(*n) == teeth);
-    }
-    let known = Shapes::one("cycles_per_turn", cycles, false);
-    match axis_of(&scene.machine, subject) {
-        Some(axis) => known.waving(WaveNumber::Cycles(axis.letter)),
-        None => known,
-    }
+    let Some(axis) = axis_of(&scene.machine, subject) else { return Shapes::default() };
+    let teeth = axis.facts.gear_teeth;
+    let more = |teeth: f64| [teeth - 1.0, teeth, teeth + 1.0, 2.0 * teeth].into_iter().filter(|n| *n > 12.0);
+    let known = (3..=12).map(f64::from).chain(teeth.into_iter().flat_map(more));
+    let most = scene.most_cycles(axis.letter);
+    let (tried, mut aliased): (Vec<f64>, Vec<f64>) =
+        known.partition(|n| *n <= (most + 1e-6).max(FEWEST) || Some(*n) == teeth);
+    aliased.extend(like_an_encoder(scene, axis).filter(|n| *n > most && !tried.contains(n)));
+    Shapes::one("cycles_per_turn", tried, false).waving(WaveNumber::Cycles(axis.letter)).aliasing(aliased)
+}
+
+/// Teeth that show once or twice a turn where the axis stands at even steps: an encoder's error does so too.
+fn like_an_encoder(scene: &Scene, axis: &Axis) -> impl Iterator<Item = f64> {
+    let steps_a_turn = 2.0 * scene.most_cycles(axis.letter);
+    let teeth = move |seen: f64| (steps_a_turn - seen).round();
+    [1.0, 2.0].into_iter().map(teeth).filter(|n| (FEWEST..=MOST_TEETH).contains(n))
 }
 
 fn motions(scene: &Scene, subject: Subject, shape: &[f64], state: &State, emit: Emit<'_>) {

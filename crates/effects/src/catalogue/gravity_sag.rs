@@ -1,4 +1,4 @@
-//! Sag of the tilting frame under its own weight, and wind-up of its drive.
+//! Sag of the tilting frame or head under its own weight, and wind-up of its drive.
 //!
 //! u(B) = R K⁻¹ Rᵀ g − K⁻¹ g,  g = −z unit vector in the carrier of the tilting axis, R = rotation by B    [docs/design/physics.md §9.1; S1 §5.3; S4 table 2]
 //! K⁻¹ = [[p, q], [q, −p]] across the axis line: an equal compliance in all directions gives a constant, which is a
@@ -6,25 +6,25 @@
 //! Wind-up of the drive: ω = (s·(sin B) + c·(cos B − 1)) along the axis, ∝ sin(B + φ) − sin φ of the centre of mass.
 //! Limits: the load on the table does not change; a frame symmetric about the plane across its axis.
 
-use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, tilts_the_table};
+use crate::subjects::{across, axis_of, carrier_from_carried, gravity_in_carrier, tilts};
 use crate::{
     About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
 };
 use nalgebra::{Matrix3, Vector3};
 use trunnion_core::{State, Twist};
-use trunnion_machine::{Machine, Site};
+use trunnion_machine::{Machine, Side, Site};
 
 pub(crate) static EFFECT: Effect = Effect {
     phenomenon: "gravity-sag",
     role: Role::CAUSE,
     about: About {
-        title: "Sag of the tilting frame under its own weight",
+        title: "Sag of the tilting frame or head under its own weight",
         source: "S1 §5.3; S4 table 2; docs/design/physics.md §9.1",
         equation: "u = R K⁻¹ Rᵀ g − K⁻¹ g (terms 1 − cos 2B and sin 2B across the axis); wind-up ω ∝ sin(B + φ) − sin φ about it",
-        symbols: "u displacement of the frame, µm; K⁻¹ its compliance across the axis with anisotropy p and skewness q times the weight, µm; R turn by B; g unit vector of gravity; ω turn about the axis, µrad; φ place of the centre of mass",
-        validity: "The load on the table stays the same; gravity along −Z; zero at the zero position.",
+        symbols: "u displacement of the frame or head, µm; K⁻¹ its compliance across the axis with anisotropy p and skewness q times the weight, µm; R turn by B; g unit vector of gravity; ω turn about the axis, µrad; φ place of the centre of mass",
+        validity: "The load on the table, or the tool, stays the same; gravity along −Z; zero at the zero position.",
         typical: "5–10 µm",
-        explanation: "The tilting frame and its drive give way under the weight, differently at every tilt.",
+        explanation: "The tilting frame or head and its drive give way under the weight, differently at every tilt.",
         cause: "Deformation of the rotating unit and angular error of its positioning under gravity: an uneven stiffness of frame and bearings, missing counterbalance.",
         seen_by: "Static poses over the whole tilt at two heights; another load on the table separates it from radial error motion and encoder error.",
         needs: &[Need::Travel],
@@ -34,7 +34,7 @@ pub(crate) static EFFECT: Effect = Effect {
         machine
             .rotary()
             .into_iter()
-            .filter(|axis| tilts_the_table(machine, axis))
+            .filter(|axis| tilts(axis))
             .map(|axis| Subject::Axis(axis.letter))
             .collect()
     },
@@ -62,18 +62,28 @@ pub(crate) static EFFECT: Effect = Effect {
     },
 };
 
-const UPRIGHT: &str = "the frame gives way more upright than lying on its side";
-const LYING: &str = "the frame gives way more lying on its side than upright";
+/// What gives way more upright, and more lying on its side.
+const FRAME: [&str; 2] = [
+    "the frame gives way more upright than lying on its side",
+    "the frame gives way more lying on its side than upright",
+];
+const HEAD: [&str; 2] = [
+    "the head gives way more upright than lying on its side",
+    "the head gives way more lying on its side than upright",
+];
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
     match axis_of(&scene.machine, subject) {
         Some(axis) if scene.moves(axis.letter) => {
-            // p is the compliance along e₁, which is vertical at the zero position of a frame about Y and horizontal of one about X.
+            // p is the compliance along e₁, which is vertical at the zero position of what tilts about Y and horizontal about X.
             let across = across(&axis.direction);
-            let of_signs = match across.first.z.abs() > across.second.z.abs() {
-                true => [UPRIGHT, LYING],
-                false => [LYING, UPRIGHT],
+            let mut of_signs = match scene.machine.side(axis.letter) {
+                Some(Side::Tool) => HEAD,
+                _ => FRAME,
             };
+            if across.first.z.abs() <= across.second.z.abs() {
+                of_signs.reverse();
+            }
             vec![
                 Parameter::new("anisotropy", Unit::UM).meaning(of_signs),
                 Parameter::new("skewness", Unit::UM),
@@ -126,11 +136,7 @@ mod tests {
             instance.motions(&scene, &[], &state, &mut |i, _, twist| {
                 lower -= if i == 0 { twist.translation_mm.z } else { 0.0 };
             });
-            assert_eq!(
-                anisotropy.meaning.unwrap()[0],
-                if lower > 0.0 { LYING } else { UPRIGHT },
-                "{id}: {lower}"
-            );
+            assert_eq!(anisotropy.meaning.unwrap()[0], FRAME[usize::from(lower > 0.0)], "{id}: {lower}");
         }
     }
 

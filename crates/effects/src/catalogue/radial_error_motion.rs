@@ -5,6 +5,7 @@
 //! n = 1 forward turns with the table: it *is* the ball setting (or the place of the next axis) and gives no motion here.
 //! Limits: repeats every turn.
 
+use super::axial_error_motion::RUN_OUT;
 use crate::phasors;
 use crate::subjects::{every_rotary, linear_name};
 use crate::{About, Effect, Example, Golden, Moment, Need, Role, Shapes, Unit, View};
@@ -27,7 +28,10 @@ pub(crate) static EFFECT: Effect = Effect {
         helps: &[Need::TwoHeights, Need::TwoRadii],
     },
     subjects: every_rotary,
-    parameters: |scene, subject| phasors::parameters(scene, subject, linear_name, Unit::UM),
+    parameters: |scene, subject| {
+        let phasors = phasors::parameters(scene, subject, linear_name, Unit::UM);
+        phasors.into_iter().map(|phasor| phasor.at_most(RUN_OUT)).collect()
+    },
     shapes: |_, _| Shapes::one("lobes", (1..=4).map(f64::from), false),
     motions: |scene, subject, shape, state, emit| {
         phasors::motions(scene, subject, shape, state, Twist::translation, emit);

@@ -71,7 +71,7 @@ fn shapes(scene: &Scene, _: Subject) -> Shapes {
             grid.push(vec![fast * duration_s, slow * duration_s]);
         }
     }
-    Shapes { names: vec!["tau1_s".into(), "tau2_s".into()], grid, continuous: true, wave: None }
+    Shapes { names: vec!["tau1_s".into(), "tau2_s".into()], grid, continuous: true, ..Shapes::default() }
 }
 
 /// Share of a warm-up that is done after `elapsed_s`.

@@ -1,13 +1,13 @@
 //! What is confounded with an effect in these data: names with nearly its evidence, and names that imitate what was fitted with it.
 
 use crate::diagnosis::named::named;
-use crate::diagnosis::scan::Scan;
+use crate::diagnosis::scan::{Named, Scan};
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::search::Found;
 use crate::diagnosis::view::{Item, View, What, columns_of, fitted};
 use crate::evidence::{joined, turned};
 use crate::noise::learned::Real;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Rivals within this ln of the Bayes factor are confused, and fits as close are as good: odds below 20 to 1 are no strong evidence
 /// [Kass 1995].
@@ -58,24 +58,38 @@ fn imitators(scan: &Scan<'_>, view: &View, item: &Item) -> Vec<usize> {
     let seen: DVector<Real> =
         &here.sigma.inverse * &signal - &here.weighted * (&here.cofactor * on_basis).cast::<Real>();
     let square: f64 = signal.iter().zip(seen.iter()).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
+    let imitates = |gram: &DMatrix<f64>, on_signal: DVector<f64>| {
+        if gram.is_empty() {
+            return false;
+        }
+        let eigen = ((gram + gram.transpose()) * 0.5).symmetric_eigen();
+        let along = eigen.eigenvectors.tr_mul(&on_signal);
+        let least = SEEN * eigen.eigenvalues.amax();
+        let pairs = eigen.eigenvalues.iter().zip(along.iter()).filter(|(lambda, _)| **lambda > least);
+        pairs.map(|(lambda, z)| z * z / lambda).sum::<f64>() > IMITATES * square
+    };
     let products = scan.columns.tr_mul(&seen).cast::<f64>();
     let mut first = 0;
-    let shares: Vec<f64> = view
+    let of_parts: Vec<bool> = view
         .grams
         .iter()
         .map(|gram| {
             let on_signal = products.rows(first, gram.ncols()).into_owned();
             first += gram.ncols();
-            if gram.is_empty() {
-                return 0.0;
-            }
-            let eigen = ((gram + gram.transpose()) * 0.5).symmetric_eigen();
-            let along = eigen.eigenvectors.tr_mul(&on_signal);
-            let least = SEEN * eigen.eigenvalues.amax();
-            let pairs = eigen.eigenvalues.iter().zip(along.iter()).filter(|(lambda, _)| **lambda > least);
-            pairs.map(|(lambda, z)| z * z / lambda).sum::<f64>() / square
+            imitates(gram, on_signal)
         })
         .collect();
-    let imitates = |g: &usize| scan.named[*g].parts.clone().any(|part| shares[part] > IMITATES);
-    (0..scan.named.len()).filter(imitates).collect()
+    // No fit tried these: on these poses they are another shape, or another effect.
+    let as_alias = |named: &Named| {
+        named.shapes.aliased.iter().any(|shape| {
+            let block = turned(&scan.columns_of(&named.instance, shape)).cast::<Real>();
+            let gram = here.grams(&block, &[block.ncols()]).remove(0);
+            imitates(&gram, block.tr_mul(&seen).cast::<f64>())
+        })
+    };
+    let is_imitator = |g: &usize| {
+        let named = &scan.named[*g];
+        named.parts.clone().any(|part| of_parts[part]) || as_alias(named)
+    };
+    (0..scan.named.len()).filter(is_imitator).collect()
 }

@@ -37,7 +37,8 @@ impl CycleDesign<'_> {
                 None if !entry.shape.is_empty() => shapes.push(entry.shape.clone()),
                 None => {}
             }
-            let grid = instance.shapes(scene).grid;
+            let shapes_here = instance.shapes(scene);
+            let grid = if chosen.is_none() { shapes_here.possible() } else { shapes_here.grid };
             let most = if chosen.is_none() { grid.len() } else { self.most_shapes };
             let stride = grid.len().div_ceil(most.max(1)).max(1);
             for shape in grid.into_iter().skip(stride / 2).step_by(stride) {

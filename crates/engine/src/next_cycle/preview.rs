@@ -9,7 +9,7 @@ use super::information::{Information, Part, View, finite};
 use super::options::{Options, PlanError};
 use crate::Experiment;
 use nalgebra::DMatrix;
-use trunnion_core::{AxisValues, Point, Quality, Setup, State};
+use trunnion_core::{Point, Quality, Setup, State};
 use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_effects::{Instance, Model, Unit};
 use trunnion_machine::Machine;
@@ -139,12 +139,12 @@ fn imagined(
 /// The shapes looked at: all counts (teeth, lobes), aliases included, a few time constants.
 fn few_shapes<'a>(instance: &'a Instance, experiment: &Experiment) -> Vec<Part<'a>> {
     // What a fit would not try, because these poses show it as something else, is what has to be separated.
-    let mut any_step = experiment.scene.clone();
-    any_step.position_step = AxisValues::default();
-    let shapes = instance.shapes(&any_step);
-    let most = if shapes.continuous { FEW_SHAPES } else { shapes.grid.len() };
-    let stride = shapes.grid.len().div_ceil(most.max(1)).max(1);
-    let kept = shapes.grid.into_iter().skip(stride / 2).step_by(stride);
+    let shapes = instance.shapes(&experiment.scene);
+    let continuous = shapes.continuous;
+    let possible = shapes.possible();
+    let most = if continuous { FEW_SHAPES } else { possible.len() };
+    let stride = possible.len().div_ceil(most.max(1)).max(1);
+    let kept = possible.into_iter().skip(stride / 2).step_by(stride);
     kept.map(|shape| Part { instance, shape }).collect()
 }
 

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod advice;
+mod aliases;
 mod all_clear;
 mod beam_tilts;
 mod channels;

@@ -14,7 +14,7 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     ["Shift of the axis with the direction of rotation ({})", "Achsversatz mit der Drehrichtung ({})", "回転方向による軸のずれ ({})"],
     ["Pitch error of worm or gear ({})", "Teilungsfehler von Schnecke oder Zahnrad ({})", "ウォームまたは歯車のピッチ誤差 ({})"],
     ["Eccentric or oval angular encoder ({})", "Exzentrischer oder ovaler Winkelgeber ({})", "角度エンコーダの偏心・楕円 ({})"],
-    ["Sag of the tilting frame under its own weight ({})", "Durchbiegung des Schwenkrahmens unter Eigengewicht ({})", "傾斜フレームの自重たわみ ({})"],
+    ["Sag of the tilting frame or head under its own weight ({})", "Durchbiegung des Schwenkrahmens oder Schwenkkopfs unter Eigengewicht ({})", "傾斜フレームまたは傾斜ヘッドの自重たわみ ({})"],
     ["Deflection under acceleration ({})", "Nachgiebigkeit unter Beschleunigung ({})", "加速度によるたわみ ({})"],
     ["Scale error of a linear axis ({})", "Maßstabsfehler einer Linearachse ({})", "直進軸のスケール誤差 ({})"],
     ["Location errors of the axis average lines ({})", "Lageabweichungen der mittleren Achslinien ({})", "軸平均線の位置誤差 ({})"],
