@@ -5,7 +5,8 @@
 
 use super::probe_gain::{COMPONENTS, deflected};
 use crate::{
-    About, Effect, Emit, Example, Golden, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit, View,
+    About, Effect, Emit, Example, Golden, Limit, Moment, Need, Parameter, Role, Scene, Shapes, Subject, Unit,
+    View,
 };
 use nalgebra::Vector3;
 use trunnion_core::{State, Twist};
@@ -29,7 +30,8 @@ pub(crate) static EFFECT: Effect = Effect {
     },
     subjects: |_| vec![Subject::Whole],
     parameters: |scene, _| {
-        deflected(scene).into_iter().map(|k| Parameter::new(COMPONENTS[k], Unit::UM_PER_MM2)).collect()
+        let curvature = |k: usize| Parameter::new(COMPONENTS[k], Unit::UM_PER_MM2).at_most(CURVATURE);
+        deflected(scene).into_iter().map(curvature).collect()
     },
     shapes: |_, _| Shapes::none(),
     motions,
@@ -48,6 +50,14 @@ pub(crate) static EFFECT: Effect = Effect {
         ],
         within_um: 0.005,
     },
+};
+
+/// Half of a deflection of 0.1 mm, the shortest range of a probe: as of a gain. A ball bar a few µm off its centre would need more to stand for
+/// a scale error. A judgement, tuned on no data.
+const CURVATURE: Limit = Limit {
+    largest: 5000.0,
+    beyond: "no probe reads a tenth of a millimetre wrong by half of it",
+    resembles: true,
 };
 
 fn motions(scene: &Scene, _: Subject, _: &[f64], state: &State, emit: Emit<'_>) {
