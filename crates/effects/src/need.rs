@@ -99,7 +99,7 @@ impl Need {
             Self::TwoRadii => "two distances of the ball from the axis",
             Self::TwoFeeds => "two feeds",
             Self::FinerStep => "a finer step of the poses, or readings on the fly",
-            Self::AnotherLoad => "another load on the table",
+            Self::AnotherLoad => "another load on the table or in the head",
             Self::Return => "a return to the first pose, or a wait and a repeat",
             Self::Volume => "five places of the axis or more while the rotary axes are stationary",
             Self::Targets => "an artefact with several targets",

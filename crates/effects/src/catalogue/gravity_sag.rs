@@ -26,7 +26,7 @@ pub(crate) static EFFECT: Effect = Effect {
         typical: "5–10 µm",
         explanation: "The tilting frame or head and its drive give way under the weight, differently at every tilt.",
         cause: "Deformation of the rotating unit and angular error of its positioning under gravity: an uneven stiffness of frame and bearings, missing counterbalance.",
-        seen_by: "Static poses over the whole tilt at two heights; another load on the table separates it from radial error motion and encoder error.",
+        seen_by: "Static poses over the whole tilt at two heights; another load on the table, or a heavier tool in the head, separates it from radial error motion and encoder error.",
         needs: &[Need::Travel],
         helps: &[Need::TwoHeights, Need::AnotherLoad],
     },

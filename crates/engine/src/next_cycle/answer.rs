@@ -260,7 +260,7 @@ fn load_words(design: &CycleDesign<'_>, ids: &[String]) -> String {
         |instance: &Instance| instance.about().is_some_and(|about| about.helps.contains(&Need::AnotherLoad));
     let mut text = String::new();
     if named().any(load) {
-        text += " Only another load separates them: put a known weight on the table and measure the present cycle again.";
+        text += " Only another load separates them: put a known weight on the table, or a heavier tool into a tilting head, and measure the present cycle again.";
     }
     for instance in named() {
         if let Some(about) = instance.about() {
