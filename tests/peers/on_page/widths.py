@@ -30,6 +30,24 @@ def every_width(browser, folder):
             tab.close()
 
 
+def methods_on_a_screen(browser, folder):
+    """Every table of a page of a named method is whole on a screen, without a scroll."""
+    config = DATA.parents[1] / "config"
+    for plane in ["xy", "yz", "zx"]:
+        trunnion("simulate", config / "truths/three-axis-circles.toml", "--cycle", config / f"cycles/circle-{plane}.toml", "-o", folder / f"{plane}.mcap")
+    points = DATA / "points-gravity"
+    trunnion("import", points / "points.csv", "--setup", points / "setup.toml", "-o", folder / "grid.mcap")
+    for method, runs in [("circular", ["xy", "yz", "zx"]), ("error-map", ["grid"])]:
+        html = folder / f"{method}.html"
+        trunnion("identify", *(folder / f"{run}.mcap" for run in runs), "--method", method, "--html", html)
+        page = browser.new_page(viewport={"width": 1280, "height": 800})
+        page.goto(html.as_uri())
+        cut = page.evaluate("""() => [...document.querySelectorAll('.scroll')].filter((one) => one.scrollWidth > one.clientWidth)
+            .map((one) => [one.querySelector('caption').textContent, one.scrollWidth, one.clientWidth])""")
+        check(f"{method}: no table is cut on a screen", not cut, cut)
+        page.close()
+
+
 def readable(tab, where):
     """Letters in charts are 11 px high at least, numbers in cells 10, also in closed parts; what is drawn by a script is drawn at the size it is shown."""
     tab.page.evaluate("document.querySelectorAll('#view details').forEach((part) => (part.open = true))")
