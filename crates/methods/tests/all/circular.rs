@@ -168,6 +168,8 @@ fn several_errors_together_are_distinguished_in_noise() {
         assert!((found.value - put_in).abs() < 4.0 * u, "{name}: {} u {u}, put in {put_in}", found.value);
     }
     assert!(value(&found, "XY unexplained beyond noise") < 0.1 * UM);
+    // A page has one figure for the whole trace.
+    assert_eq!(ranking(&found).last(), Some(&("whole trace".to_string(), value(&found, "XY G(b)"))));
     assert!(!found.notes.iter().any(|note| note.contains("does not explain everything")));
 }
 

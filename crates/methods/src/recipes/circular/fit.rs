@@ -44,8 +44,6 @@ pub(super) struct Fitted<'a> {
     pub noise_mm: f64,
     /// Range of what is left, mean over stations, mm.
     pub left_circularity_mm: f64,
-    /// Range of what is measured, the same.
-    pub centred_circularity_mm: f64,
     /// Way, measured, explained, left; each centred, mean over stations.
     pub contours: Vec<(f64, [Contour; 3])>,
 }
@@ -152,7 +150,7 @@ impl<'a> Fitted<'a> {
         let as_read = |&way: &f64| (way, stations.contour(of_way(way).map(about_centre)));
         let as_read: Vec<(f64, Contour)> = ways.iter().map(as_read).collect();
         let rms = |of: &DVector<f64>| of.norm() / (of.len() as f64).sqrt();
-        let over = |k: usize| range(contours.iter().flat_map(|(_, c)| c[k].iter().map(|(_, v)| *v)));
+        let left_contours = contours.iter().flat_map(|(_, [.., left])| left.iter().map(|(_, v)| *v));
         let freedom = (samples.len() - fit.rank).max(1) as f64;
         Ok(Self {
             trace,
@@ -160,8 +158,7 @@ impl<'a> Fitted<'a> {
             centred_rms_mm: rms(&measured),
             left_rms_mm: left.norm() / freedom.sqrt(),
             noise_mm: noise(samples, &left),
-            left_circularity_mm: over(2),
-            centred_circularity_mm: over(0),
+            left_circularity_mm: range(left_contours),
             contours,
             errors,
             together: others

@@ -244,7 +244,7 @@ fn ranking(fit: &Fitted<'_>) -> FoundTable {
     }
     for (name, circularity_mm, share) in [
         ("unexplained beyond noise", beyond_noise_mm, share(beyond_noise_mm)),
-        ("whole trace", fit.centred_circularity_mm, Cell::Missing),
+        ("whole trace", fit.iso.of_the_trace_mm(), Cell::Missing),
     ] {
         let mut row = vec![Cell::Missing, Cell::Text(name.into()), Cell::Number(circularity_mm), share];
         row.resize(columns.len(), Cell::Missing);
