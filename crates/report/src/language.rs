@@ -46,12 +46,29 @@ impl Language {
         }
         let whole = entries().find(|entry| entry[0] == english);
         let whole = whole.map(|entry| entry[self as usize].to_string());
-        whole.or_else(|| self.by_pattern(english)).or_else(|| self.by_parts(english))
+        whole
+            .or_else(|| self.by_items(english))
+            .or_else(|| self.by_pattern(english))
+            .or_else(|| self.by_parts(english))
     }
 
-    /// Labels in a row, `Y, B 60° and above, both setups:`: each has an entry, or is a name of one word.
+    /// What stands between items of a list, between labels in a row, and after a label.
+    fn marks(self) -> [&'static str; 3] {
+        if self == Self::Japanese { ["；", "、", "："] } else { ["; ", ", ", ":"] }
+    }
+
+    /// A list whose items all have an entry. Before the patterns: that of one item would hold the others in its last hole.
+    fn by_items(self, english: &str) -> Option<String> {
+        if !english.contains("; ") {
+            return None;
+        }
+        let items: Option<Vec<String>> = english.split("; ").map(|item| self.say(item)).collect();
+        Some(items?.join(self.marks()[0]))
+    }
+
+    /// Labels in a row, `Y, B 60° and above, both setups:`: each has an entry, or is a name.
     fn by_parts(self, english: &str) -> Option<String> {
-        let (row, colon) = english.strip_suffix(':').map_or((english, ""), |row| (row, ":"));
+        let (row, is_label) = english.strip_suffix(':').map_or((english, false), |row| (row, true));
         if !row.contains(", ") {
             return None;
         }
@@ -61,10 +78,12 @@ impl Language {
                 known += 1;
                 Some(said)
             }
-            None => (!part.contains(' ')).then(|| part.to_owned()),
+            None => is_name(part).then(|| part.to_owned()),
         };
         let parts: Vec<String> = row.split(", ").map(say).collect::<Option<_>>()?;
-        (known > 0).then(|| parts.join(", ") + colon)
+        let [_, comma, colon] = self.marks();
+        // Names alone have no entry where they stand as in English.
+        (known > 0 || comma != ", ").then(|| parts.join(comma) + if is_label { colon } else { "" })
     }
 
     fn by_pattern(self, english: &str) -> Option<String> {
@@ -80,12 +99,19 @@ impl Language {
                 let held = held.next().unwrap_or_default();
                 // A sentence may have a semicolon of its own; else they part the items of a list.
                 let items = || held.split("; ").map(|item| self.say(item).unwrap_or_else(|| item.into()));
-                text += &self.say(held).unwrap_or_else(|| items().collect::<Vec<_>>().join("; "));
+                text += &self.say(held).unwrap_or_else(|| items().collect::<Vec<_>>().join(self.marks()[0]));
             }
             text += part;
         }
         Some(text)
     }
+}
+
+/// The same in every language: a name of one word, or an axis with its position, `X −60 mm`.
+fn is_name(part: &str) -> bool {
+    let mut words = part.split(' ').skip(1);
+    words.next().is_none_or(|word| word.trim_start_matches('−').starts_with(|c: char| c.is_ascii_digit()))
+        && part.starts_with(char::is_alphabetic)
 }
 
 /// What stands in the holes of a pattern; `None` where the text is not of it.
@@ -153,6 +179,35 @@ mod tests {
             "<th class=\"parameter\">Parameter</th><td>EX0C &lt;1 µm</td>\n<h2>Stelle 3: X</h2>"
         );
         assert_eq!(translated(markup, Language::English), markup);
+    }
+
+    #[test]
+    fn a_list_has_the_marks_of_its_language_and_each_item_its_own_pattern() {
+        let list = "Location errors without a number of their own: place of axis B along Y; zero of C.";
+        let place = "setup high, X 160 mm, Y −150 mm";
+        for (language, said) in [
+            (
+                Language::German,
+                [
+                    "Lageabweichungen ohne eigene Zahl: Ort der Achse B entlang Y; Nullpunkt von C.",
+                    "Aufstellung high, X 160 mm, Y −150 mm",
+                ],
+            ),
+            (
+                Language::Japanese,
+                [
+                    "単独では値の求まらない位置誤差：軸 B の位置（Y 方向）；C の原点。",
+                    "段取り high、X 160 mm、Y −150 mm",
+                ],
+            ),
+        ] {
+            assert_eq!([list, place].map(|text| language.say(text)), said.map(|text| Some(text.to_string())));
+        }
+        let effect = "Sag of the tilting frame under its own weight (gravity-sag:B)";
+        assert_eq!(
+            Language::German.say(effect).as_deref(),
+            Some("Durchbiegung des Schwenkrahmens unter Eigengewicht (gravity-sag:B)")
+        );
     }
 
     #[test]

@@ -67,6 +67,7 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     ["seen only together", "nur gemeinsam beobachtet", "組合せでのみ観測"],
     ["not observable", "nicht beobachtbar", "観測不能"],
     ["zero by the datum convention: confounded with others", "null nach der Bezugskonvention: nicht von anderen zu trennen", "基準の取決めにより零：他と分離できない"],
+    ["contains {}", "enthält {}", "{} を含む"],
     ["held by the model", "vom Modell festgehalten", "モデルで固定"],
     ["its axis is at rest in these runs", "seine Achse ruht in diesen Messläufen", "この測定では軸が静止"],
     [": {} is confounded with {} in these runs; by convention {} = 0, so {} stands for both", ": {} ist in diesen Messläufen nicht von {} zu trennen; nach Konvention ist {} = 0, und {} steht für beide", "：この測定では {} を {} と分離できない。取決めにより {} = 0 とし、{} が両方を表す"],
