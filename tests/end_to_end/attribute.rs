@@ -55,7 +55,8 @@ fn peaks(findings: &Value) -> Vec<(String, f64)> {
         let name = value["name"].as_str().expect("a name").trim_start_matches("peak by ").to_string();
         (name, value["value"].as_f64().expect("a number"))
     };
-    findings["values"].as_array().expect("values").iter().map(peak).collect()
+    let values = findings["values"].as_array().expect("values").iter();
+    values.filter(|value| value["kind"] != "summary").map(peak).collect()
 }
 
 /// A row of the table of shares: rms X Y Z, peak X Y Z (µm), tool turns rms, peak (µrad).

@@ -1,6 +1,6 @@
 //! What text and page of a named method share: numbers in their units, heads of tables.
 
-use crate::number::{MISSING, plain, signed, unit_on_screen, value_and_u};
+use crate::number::{MISSING, fixed, plain, signed, unit_on_screen, value_and_u};
 use std::cmp::Ordering::Equal;
 use trunnion_results::sentences::{at_tool_um, error_in_words, not_plausible, setting_in_words};
 use trunnion_results::{Cell, Column, Findings, FoundValue, Table, ValueKind};
@@ -31,10 +31,10 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
     let at_tool = |found: &FoundValue| at_tool_um(found.value?, &found.unit);
     let errors = clear.iter().copied().filter(|found| found.kind == ValueKind::Error);
     let most = errors.max_by(|a, b| at_tool(a).partial_cmp(&at_tool(b)).unwrap_or(Equal));
-    let only_summaries = with_u == 0 && shown.iter().any(|found| found.kind == ValueKind::Summary);
+    let has_summary = shown.iter().any(|found| found.kind == ValueKind::Summary);
     let first = match most {
-        // They are the verdict.
-        None if only_summaries => None,
+        // It is the verdict.
+        None if has_summary => None,
         Some(found) => {
             let (value, u) = value_and_u(found.value, found.u, &found.unit);
             let (name, symbol) = in_words(&found.name);
@@ -112,6 +112,7 @@ pub fn heads(table: &Table) -> Vec<String> {
 /// Cells as text; numbers in the unit of their column.
 pub fn cells(table: &Table, row: &[Cell]) -> Vec<String> {
     let is_u = |j: usize| table.columns.get(j).is_some_and(|column| column.name == "u");
+    let is_shift = |column: &Column| matches!(column.unit.as_deref(), Some("um" | "urad"));
     let text = |(j, (cell, column)): (usize, (&Cell, &Column))| match (cell, row.get(j + 1)) {
         (Cell::Text(text), _) => text.clone(),
         // Places are reported to a tenth, however far out.
@@ -123,6 +124,8 @@ pub fn cells(table: &Table, row: &[Cell]) -> Vec<String> {
             value_and_u(Some(*value), Some(*u), "1").0
         }
         (Cell::Number(u), _) if is_u(j) => value_and_u(Some(0.0), Some(*u), "1").1,
+        // No instrument shows less.
+        (Cell::Number(number), _) if is_shift(column) && number.abs() < 1e-3 => fixed(*number, 3),
         (Cell::Number(number), _) => plain(*number),
         (Cell::Missing, _) => MISSING.into(),
     };
@@ -136,4 +139,42 @@ pub fn numeric(table: &Table) -> Vec<usize> {
         cells.peek().is_some() && cells.all(|cell| !matches!(cell, Cell::Text(_)))
     };
     (0..table.columns.len()).filter(is_number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(name: &str, kind: ValueKind, value: f64, u: Option<f64>) -> FoundValue {
+        FoundValue {
+            name: name.into(),
+            kind,
+            value: Some(value),
+            unit: "um".into(),
+            u,
+            ..FoundValue::default()
+        }
+    }
+
+    #[test]
+    fn where_nothing_but_the_summary_is_significant_it_is_the_verdict() {
+        let mut found = Findings::default();
+        found.values = vec![
+            FoundValue { note: "accuracy".into(), ..value("X A", ValueKind::Summary, 6.94, Some(0.4)) },
+            value("X mean reversal", ValueKind::Error, 0.05, Some(0.06)),
+        ];
+        assert_eq!(
+            verdict(&found),
+            ["Accuracy: 6.94 µm (X A).", "0 of 1 errors with an uncertainty are larger than 2 u."]
+        );
+        found.values[0].kind = ValueKind::Setting;
+        assert_eq!(verdict(&found)[0], "Only what mounting left is significantly different from zero.");
+    }
+
+    #[test]
+    fn no_cell_has_less_than_an_instrument_shows() {
+        let column = |unit: Option<&str>| Column { name: "size".into(), unit: unit.map(String::from) };
+        let table = Table { columns: vec![column(Some("um")), column(None)], ..Table::default() };
+        assert_eq!(cells(&table, &[Cell::Number(-1.1e-4), Cell::Number(1e-7)]), ["0.000", "1.0e−7"]);
+    }
 }

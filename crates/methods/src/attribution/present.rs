@@ -2,7 +2,7 @@
 
 use super::{Attribution, Deviation, Ideal, LeftOut, Share, largest};
 use crate::Findings;
-use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundValue, Plot};
+use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundValue, Plot, ValueKind};
 use crate::recipes::Convention;
 use nalgebra::Vector3;
 use trunnion_core::Joint;
@@ -24,11 +24,20 @@ impl Attribution {
             convention: Convention::RightHanded,
             machine: self.machine.clone(),
             runs: vec![self.run.clone()],
-            values: self.shares.iter().map(|share| self.value(share)).collect(),
+            values: std::iter::once(self.whole())
+                .chain(self.shares.iter().map(|share| self.value(share)))
+                .collect(),
             tables: vec![self.table()],
             charts: self.charts(),
             notes: self.notes(),
         }
+    }
+
+    /// What all axes made together: also where none has a share.
+    fn whole(&self) -> FoundValue {
+        FoundValue::new("peak by all axes", self.together.peak_mm(), Unit::UM, None)
+            .kind(ValueKind::Summary)
+            .note("largest deviation of the tool point by what the encoders read")
     }
 
     /// Largest deviation of the tool point that the axis made.

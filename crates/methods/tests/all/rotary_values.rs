@@ -1,9 +1,27 @@
 //! Values of the error motions of an axis that turns alone.
 
 use crate::empty_runs::empty;
+use trunnion_methods::findings::ValueKind;
 use trunnion_methods::recipes::{self, MethodOptions};
 
 const UM: f64 = 1e-3;
+
+#[test]
+fn the_largest_totals_are_what_the_measurement_comes_to() {
+    let method = recipes::find("rotary-values").unwrap();
+    let found = method.apply(&[empty("rotary-values-c", 3)], &MethodOptions::default()).unwrap();
+    let first: Vec<_> = found.values.iter().filter(|value| value.kind == ValueKind::Summary).collect();
+    let largest = |motion: &str| {
+        let totals = found.values.iter().filter(|v| v.name.contains(motion) && v.name.ends_with(".total"));
+        totals.map(|v| v.value).fold(0.0, f64::max)
+    };
+    let sizes: Vec<f64> = first.iter().map(|value| value.value).collect();
+    for motion in ["radial", "axial", "tilt"] {
+        assert!(sizes.contains(&largest(motion)), "{motion}: {first:?}");
+    }
+    assert_eq!(first.len(), 3, "{first:?}");
+    assert!(first[0].note.starts_with("Radial") && first[0].note.contains("total error motion"), "{first:?}");
+}
 
 /// A total value is a largest distance: one wrong reading would be all of it.
 #[test]

@@ -4,7 +4,9 @@ use super::contour::{Contour, Signal, Turn};
 use crate::common::harmonics::{self, Harmonics};
 use crate::common::stations::Stations;
 use crate::common::turning::{Turned, Turning, TurningSet};
-use crate::findings::{AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot};
+use crate::findings::{
+    AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot, ValueKind,
+};
 use crate::recipes::{Convention, Method, MethodError};
 use trunnion_core::number::{MISSING, fixed};
 use trunnion_cycles::Run;
@@ -15,18 +17,25 @@ const APART_MM: f64 = 5.0;
 /// Share of the stations that a turn must have to count.
 const WHOLE: f64 = 0.9;
 
+/// What ISO 230-7 gives a value of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Motion {
+    Radial,
+    /// Its once-a-turn part is error motion.
+    Axial,
+    /// Total and asynchronous values are upper bounds.
+    Tilt,
+}
+
 /// One signal, both directions.
 struct Judged {
+    motion: Motion,
     /// First part of the names of its values, e.g. `low.radial-x`.
     name: String,
     /// Title of its charts.
     title: String,
     unit: Unit,
     ways: [Option<Contour>; 2],
-    /// True when total and asynchronous values are upper bounds.
-    bound: bool,
-    /// True when the once-a-turn part is error motion (axial).
-    fundamental: bool,
 }
 
 pub(super) fn findings(
@@ -47,7 +56,7 @@ pub(super) fn findings(
         return Err(method.lacks(found, "Run config/cycles/rotary-values-c.toml."));
     }
     Ok(Findings {
-        values: judged.iter().flat_map(values).collect(),
+        values: judged.iter().flat_map(|signal| values(signal, is_largest(signal, &judged))).collect(),
         tables: std::iter::once(table(&judged)).chain(harmonics::table(&harmonics(&judged))).collect(),
         charts: judged.iter().flat_map(|signal| charts(turning, signal)).collect(),
         notes: notes(turning, &judged, &stations),
@@ -60,23 +69,23 @@ fn judged(turning: &Turning, stations: &Stations) -> Vec<Judged> {
     let mut judged = Vec::new();
     let [u, v, w] = turning.frame;
     for set in &turning.sets {
-        let mut judge = |name: String, title: String, fundamental: bool, of: &dyn Fn(&Turned) -> f64| {
+        let mut judge = |name: String, title: String, motion: Motion, of: &dyn Fn(&Turned) -> f64| {
             let ways = ways(set, stations, of);
             let ways = ways.map(|signal| Some(Contour::of(&stations.angles_rad, &signal?)));
             if ways.iter().any(Option::is_some) {
                 let (name, title) = (format!("{}.{name}", set.name), format!("{title}, setup {}", set.name));
-                judged.push(Judged { name, title, unit: Unit::UM, ways, bound: false, fundamental });
+                judged.push(Judged { motion, name, title, unit: Unit::UM, ways });
             }
         };
         for (k, letter) in [u, v].into_iter().enumerate() {
             let title = format!("Radial along {letter}");
-            judge(format!("radial-{}", letter.lower()), title, false, &|r| r.moved_mm[k]);
+            judge(format!("radial-{}", letter.lower()), title, Motion::Radial, &|r| r.moved_mm[k]);
         }
-        judge("radial-rotating".into(), "Radial, rotating direction".into(), false, &|r| {
+        judge("radial-rotating".into(), "Radial, rotating direction".into(), Motion::Radial, &|r| {
             let (sin, cos) = r.turned_rad.sin_cos();
             r.moved_mm.x * cos + r.moved_mm.y * sin
         });
-        judge("axial".into(), format!("Axial along {w}"), true, &|r| r.moved_mm.z);
+        judge("axial".into(), format!("Axial along {w}"), Motion::Axial, &|r| r.moved_mm.z);
     }
     judged.extend(tilts(turning, stations));
     judged
@@ -105,12 +114,11 @@ fn tilts(turning: &Turning, stations: &Stations) -> Vec<Judged> {
     };
     let judge = |(letter, ways): (trunnion_core::Joint, [Option<Contour>; 2])| {
         ways.iter().any(Option::is_some).then(|| Judged {
+            motion: Motion::Tilt,
             name: format!("tilt-{}", letter.lower()),
             title: format!("Tilt {}", turning.symbol(letter, false)),
             unit: Unit::URAD,
             ways,
-            bound: true,
-            fundamental: false,
         })
     };
     [(tilt_u, of(1, -1.0)), (tilt_v, of(0, 1.0))].into_iter().filter_map(judge).collect()
@@ -131,8 +139,22 @@ fn ways(set: &TurningSet, stations: &Stations, of: &dyn Fn(&Turned) -> f64) -> [
     ways.map(|turns| Signal::of(stations, &turns))
 }
 
+/// The largest total of its motion over heights and directions is what the measurement comes to.
+fn is_largest(signal: &Judged, judged: &[Judged]) -> bool {
+    let of_motion = judged.iter().filter(|one| one.motion == signal.motion);
+    let largest = of_motion.max_by(|a, b| a.total().total_cmp(&b.total()));
+    largest.is_some_and(|largest| largest.name == signal.name)
+}
+
+impl Judged {
+    /// The larger total of both directions.
+    fn total(&self) -> f64 {
+        self.ways.iter().flatten().map(|contour| contour.total).fold(0.0, f64::max)
+    }
+}
+
 /// The larger of both directions, and how far they are apart.
-fn values(signal: &Judged) -> Vec<FoundValue> {
+fn values(signal: &Judged, is_largest: bool) -> Vec<FoundValue> {
     let number = |value: Option<f64>| {
         let (scale, unit) = (signal.unit.per_inside, signal.unit.text());
         value.map_or(MISSING.into(), |v| format!("{} {unit}", fixed(v * scale, 2)))
@@ -148,16 +170,21 @@ fn values(signal: &Judged) -> Vec<FoundValue> {
         values
             .push(FoundValue::new(format!("{}.{what}", signal.name), largest, signal.unit, None).note(note));
     };
-    value("total", signal.bound, &|c| Some(c.total));
+    let bound = signal.motion == Motion::Tilt;
+    value("total", bound, &|c| Some(c.total));
     value("synchronous", false, &|c| c.synchronous);
-    value("asynchronous", signal.bound, &|c| c.asynchronous);
-    if signal.fundamental {
+    value("asynchronous", bound, &|c| c.asynchronous);
+    if signal.motion == Motion::Axial {
         value("fundamental", false, &|c| Some(c.fundamental));
     }
     if let [Some(forward), Some(back)] = &signal.ways {
         let name = format!("{}.reversal", signal.name);
         let note = "largest distance of the mean contours of both directions";
         values.push(FoundValue::new(name, forward.apart(back), signal.unit, None).note(note));
+    }
+    if is_largest && let Some(total) = values.first_mut() {
+        total.kind = ValueKind::Summary;
+        total.note = format!("{}, total error motion ({})", signal.title, total.note);
     }
     values
 }
@@ -238,7 +265,8 @@ fn charts(turning: &Turning, signal: &Judged) -> Vec<Chart> {
 
 fn notes(turning: &Turning, judged: &[Judged], stations: &Stations) -> Vec<String> {
     let axis = turning.axis;
-    let contours = || judged.iter().filter(|s| !s.bound).flat_map(|s| s.ways.iter().flatten());
+    let contours =
+        || judged.iter().filter(|s| s.motion != Motion::Tilt).flat_map(|s| s.ways.iter().flatten());
     let turns = contours().map(|c| c.turns).min().unwrap_or(0);
     let mut notes = vec![format!(
         "{} stations around {axis}; values are peak to valley, about the least-squares centre, without the noise of the readings taken off.",
@@ -256,7 +284,7 @@ fn notes(turning: &Turning, judged: &[Judged], stations: &Stations) -> Vec<Strin
             "{axis} does not go around: the values hold over the arc it turned, and the centre takes more of a slow motion with it than over a whole turn."
         ));
     }
-    if judged.iter().all(|signal| !signal.bound) {
+    if judged.iter().all(|signal| signal.motion != Motion::Tilt) {
         notes.push(
             "All balls sit at one height: tilt error motion is not observable. Measure a second height."
                 .into(),
