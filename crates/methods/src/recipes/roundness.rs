@@ -52,9 +52,9 @@ fn values(round: &Round) -> Vec<FoundValue> {
     };
     let about = |value: FoundValue| value.kind(ValueKind::Summary);
     vec![
-        about(value("roundness", round.minimum_zone_mm)).note("RONt by the minimum zone (MZCI)"),
+        about(value("roundness", round.minimum_zone_mm)).note("roundness by the minimum zone (RONt, MZCI)"),
         about(value("roundness, least squares", round.least_squares_mm))
-            .note("range about the least-squares circle (LSCI)"),
+            .note("roundness about the least-squares circle (LSCI)"),
         value("radius", round.radius_off_mm)
             .kind(ValueKind::Setting)
             .note("mean deviation, with that of the tool"),
@@ -64,10 +64,14 @@ fn values(round: &Round) -> Vec<FoundValue> {
 }
 
 fn chart(round: &Round) -> Chart {
-    let left = Curve::new("deviation from the least-squares circle", round.left.clone());
+    let left = Curve::new("deviation", round.left.clone());
     Chart {
         group: "Roundness".into(),
-        title: format!("{}: roundness {:.1} µm", round.name, um_from_mm(round.minimum_zone_mm)),
+        title: format!(
+            "{}: roundness {:.1} µm; drawn about the least-squares circle",
+            round.name,
+            um_from_mm(round.minimum_zone_mm)
+        ),
         plot: Plot::Polar { unit: Unit::UM, curves: vec![left] },
     }
 }

@@ -7,8 +7,8 @@ use crate::number::{signed, trimmed};
 const WIDTH: f64 = 360.0;
 const TOP: f64 = 20.0;
 const CELL_HEIGHT: f64 = 21.0;
-/// Width of a digit of a label, and room between two labels.
-const DIGIT: f64 = 7.2;
+/// Mean width of a character of `−90°` in the widest of the usual fonts (DejaVu Sans), and room between two labels.
+const DIGIT: f64 = 7.9;
 const GAP: f64 = 5.0;
 /// Width of a character of a number in a cell.
 const CHARACTER: f64 = 6.2;

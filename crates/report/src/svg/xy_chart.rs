@@ -13,6 +13,9 @@ const RIGHT: f64 = 352.0;
 const ABOVE: f64 = 13.0;
 const UP: f64 = 148.0;
 const HEIGHT_OF_REST: f64 = 38.0;
+/// Height of a row of names of marks, and what stays free after each.
+const NAME_ROW: f64 = 14.0;
+const NAME_GAP: f64 = 8.0;
 
 /// One set of points.
 pub struct Series {
@@ -45,10 +48,8 @@ pub fn xy_chart(chart: &XyChart<'_>) -> String {
     let x = Scale::new(extent(all_x).unwrap_or((0.0, 1.0)), (LEFT + 4.0, RIGHT - 4.0));
     let y = Scale::new(chart.y, (bottom, top));
     body += &axes(&x, &y, (top, bottom), [chart.x_name, chart.y_name]);
-    for (at, name) in chart.marks_on_x.iter().filter(|(at, _)| at.is_finite()) {
-        body += &line((x.at(*at), top), (x.at(*at), bottom), "guide");
-        body += &text(x.at(*at) + 2.0, bottom - 4.0, "t", name);
-    }
+    let marks = chart.marks_on_x.iter().filter(|(at, _)| at.is_finite());
+    body += &guides(marks.map(|(at, name)| (x.at(*at), name.as_str())), (top, bottom));
     for series in chart.series {
         // A line ends where a value is no number, and begins again after it.
         for stretch in series.points.split(|p| !(p.0.is_finite() && p.1.is_finite())) {
@@ -80,6 +81,31 @@ fn axes(x: &Scale, y: &Scale, (top, bottom): (f64, f64), [x_name, y_name]: [&str
     body
 }
 
+/// Upright lines with names above the lower axis: a name that would run into another stands a row higher, one that would leave the chart
+/// left of its line.
+fn guides<'n>(marks: impl Iterator<Item = (f64, &'n str)>, (top, bottom): (f64, f64)) -> String {
+    let mut body = String::new();
+    // Where the last name of each row ends.
+    let mut rows: Vec<f64> = Vec::new();
+    for (x, name) in marks {
+        body += &line((x, top), (x, bottom), "guide");
+        let width = length(name);
+        let leaves = x + 2.0 + width > RIGHT;
+        let begin = if leaves { x - 2.0 - width } else { x + 2.0 };
+        let row = rows.iter().position(|end| *end < begin).unwrap_or(rows.len());
+        let baseline = bottom - 4.0 - NAME_ROW * row as f64;
+        // Of names without end those that have no room are left out; their lines stay.
+        if baseline < top + NAME_ROW {
+            continue;
+        }
+        rows.resize(rows.len().max(row + 1), 0.0);
+        rows[row] = begin + width + NAME_GAP;
+        let (at, class) = if leaves { (x - 2.0, "t end") } else { (begin, "t") };
+        body += &text(at, baseline, class, name);
+    }
+    body
+}
+
 fn drawn(mark: Mark, places: &[(f64, f64)]) -> String {
     match mark.line_class() {
         Some(class) => polyline(places, false, class),
@@ -107,6 +133,34 @@ mod tests {
         let guide = drawn.lines().find(|line| line.contains("class=\"guide\"")).unwrap();
         let x: f64 = guide.split('"').nth(1).unwrap().parse().unwrap();
         assert!((LEFT..=RIGHT).contains(&x), "{guide}");
+    }
+
+    #[test]
+    fn names_of_marks_stand_apart_and_inside_the_chart() {
+        let series = [Series { name: "r".into(), mark: Mark::Line, points: vec![(0.0, 0.0), (40.0, 1.0)] }];
+        let marks = [0.0, 4.0, 8.0, 39.0].map(|at| (at, "a-long-name".to_string()));
+        let chart = XyChart {
+            title: "",
+            x_name: "",
+            y_name: "",
+            series: &series,
+            y: (-1.0, 1.0),
+            marks_on_x: &marks,
+        };
+        let drawn = xy_chart(&chart);
+        let number = |line: &str, k: usize| -> f64 { line.split('"').nth(k).unwrap().parse().unwrap() };
+        let width = length(&marks[0].1);
+        let names: Vec<(f64, f64)> = drawn
+            .lines()
+            .filter(|line| line.ends_with(">a-long-name</text>"))
+            .map(|line| (number(line, 1) - if line.contains("t end") { width } else { 0.0 }, number(line, 3)))
+            .collect();
+        assert_eq!(names.len(), 4, "{drawn}");
+        for (i, one) in names.iter().enumerate() {
+            assert!(one.0 >= LEFT && one.0 + width <= RIGHT, "{names:?}");
+            let meets = |other: &(f64, f64)| other.1 == one.1 && (other.0 - one.0).abs() < width;
+            assert!(!names[i + 1..].iter().any(meets), "{names:?}");
+        }
     }
 
     #[test]
