@@ -60,6 +60,8 @@ def at_the_machine(browser, folder):
         tab.until("/^([3-9]|[0-9][0-9]+) of 336 poses/.test(document.querySelector('progress + p').innerText)")
         check("poses come", True, tab.text("progress + p"))
         check("with the time left", "s left" in tab.text("progress + p"))
+        meanings = tab.text(".legend").splitlines()
+        check("the map says what its cells mean", ["read", "next", "not read yet"] == [one for one in meanings if "part" not in one], meanings)
         tab.picture("measure-1280")
         tab.guide("measure")
         phone.picture("measure-390-dark")

@@ -56,6 +56,10 @@ def history(browser, folder):
         check("the change is the engine's, word for word", all(words in shown for words in engine["change"]["words"]), engine["change"]["words"])
         check("the alarm is there", "outside its control limits: direction of axis B about X (EA0B)" in tab.text("#changes"), engine["runs"][-1]["alarms"])
         check("its chart is shown first", "EA0B" in tab.text("#parameter option[selected]"))
+        tab.page.set_viewport_size({"width": 390, "height": 844})
+        wide = tab.page.evaluate("document.documentElement.scrollWidth - innerWidth")
+        check("a value outside its limits makes the view no wider than a phone", wide <= 0, wide)
+        tab.page.set_viewport_size({"width": 1280, "height": 800})
         # What the service leaves of a run when it makes room: the answers, and why.
         gone = runs / "day-0-20251123T141058Z"
         gone.with_name(gone.name + ".state.json").write_text((DATA / "state-removed.json").read_text())

@@ -52,7 +52,7 @@ fn alarm_line(history: &MachineHistory) -> String {
                 history.watched.iter().find(|one| one.name == *name).map_or(name.clone(), Watched::title)
             };
             let titles: Vec<String> = alarms.iter().map(title).collect();
-            format!("{}: outside its control limits: {}", last.run, titles.join(", "))
+            format!("{}: outside its control limits: {}", last.run, titles.join("; "))
         }
     }
 }
@@ -144,7 +144,7 @@ mod tests {
         };
         let residual = Watched {
             name: Watched::RESIDUAL.into(),
-            words: "Residual, rms".into(),
+            words: "residual, rms".into(),
             unit: "um".into(),
             ..Watched::default()
         };
@@ -155,7 +155,7 @@ mod tests {
             ..MachineHistory::default()
         };
         let text = history_text(&history);
-        assert!(text.starts_with("friday: outside its control limits: Residual, rms\n"), "{text}");
+        assert!(text.starts_with("friday: outside its control limits: residual, rms\n"), "{text}");
         let row = text.lines().find(|line| line.contains("EA0B")).unwrap_or_default();
         assert_eq!(row.split_whitespace().collect::<Vec<_>>(), ["EA0B", "25.04", "µrad", "0.62", "µrad"]);
     }

@@ -63,7 +63,7 @@ impl Key {
 fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, key: &Key, name: String) -> Watched {
     // A residual is not negative, and neither is its lower limit.
     let (least, effect, words, unit) = match key {
-        Key::Residual => (0.0, String::new(), "Residual, rms".into(), "um".into()),
+        Key::Residual => (0.0, String::new(), "residual, rms".into(), "um".into()),
         Key::Of(first) => {
             let words = error_in_words(&first.name).unwrap_or_else(|| name.clone());
             (f64::NEG_INFINITY, first.effect.clone(), words, first.unit.clone())

@@ -26,7 +26,7 @@ export async function make(page) {
     changes(page, history),
     corrections(page, history),
     table(page, runs),
-    watched.length ? el("p", { class: "row" }, el("label", {}, "Value over time", chosen)) : null,
+    watched.length && history.runs.length > 1 ? el("p", { class: "row" }, el("label", {}, "Value over time", chosen)) : null,
     charts,
     nextDay(),
   ].filter(Boolean);
@@ -58,7 +58,8 @@ function table(page, runs) {
       el("td", { class: "n" }, found ? `${plain(found.rms_um)} µm` : "—"), el("td", { class: "n" }, found?.temperature_degc == null ? "—" : `${decimal(found.temperature_degc, 1)} °C`), el("td", {}, run.began || "—"), el("td", {}, run.machine || "—"),
       el("td", {}, found ? found.effects.slice(2).join(", ") || "none" : "—"));
   };
-  const head = ["run", "verdict", "residual, rms", "temperature", "began", "machine", "effects added"].map((text) => el("th", { scope: "col" }, text));
+  const figures = ["residual, rms", "temperature"];
+  const head = ["run", "verdict", ...figures, "began", "machine", "effects added"].map((text) => el("th", { scope: "col", class: figures.includes(text) && "n" }, text));
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Runs" },
     el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, runs.toReversed().map(row))));
 }
@@ -66,7 +67,7 @@ function table(page, runs) {
 function changes(page, { change, runs, notes, watched }) {
   if (!change) return null;
   const { run, alarms } = runs.at(-1);
-  const alarm = alarms.length ? el("p", { class: "warn" }, `${run}: outside its control limits: ${alarms.map((name) => titleOf(watched.find((one) => one.name === name))).join(", ")}`) : null;
+  const alarm = alarms.length ? el("p", { class: "warn" }, `${run}: outside its control limits: ${alarms.map((name) => titleOf(watched.find((one) => one.name === name))).join("; ")}`) : null;
   const shown = (...parts) => el("section", { id: "changes" }, el("h2", {}, `What changed from ${change.from} to ${change.to}`), alarm, ...parts, paragraphs(notes));
   const words = el("div", { role: "status" }, paragraphs(change.words));
   // The same as the command reports takes fits of both runs: which effect, and whether the earlier values predict the later run.
@@ -104,7 +105,7 @@ function expected(values) {
     const figures = withU(one.value, one.u).map((text) => el("td", { class: "n" }, `${text} ${shown}`));
     return el("tr", {}, el("td", {}, titleOf(one)), figures);
   };
-  const head = ["value", "expected", "standard uncertainty u of one more day"].map((text) => el("th", { scope: "col" }, text));
+  const head = ["value", "expected", "standard uncertainty u of one more day"].map((text, k) => el("th", { scope: "col", class: k > 0 && "n" }, text));
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Expected values" },
     el("table", {}, el("thead", {}, el("tr", {}, head)), el("tbody", {}, values.map(row))));
 }

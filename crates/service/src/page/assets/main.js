@@ -74,7 +74,7 @@ function markHistory() {
   const names = (page.topics.alarms?.alarms ?? []).map((alarm) => alarm.words || alarm.name);
   const link = document.querySelector('[data-view="history"]');
   link.textContent = names.length ? "History ⚠" : "History";
-  const words = `Outside the limits of the runs before: ${names.join(", ")}`;
+  const words = `Outside the limits of the runs before: ${names.join("; ")}`;
   names.length ? link.setAttribute("aria-label", `History. ${words}`) : link.removeAttribute("aria-label");
   link.title = names.length ? words : "";
 }

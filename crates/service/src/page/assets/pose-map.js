@@ -23,16 +23,21 @@ export function poseMap({ axes, setups, poses }) {
     layout: (width) => EDGE.top + rows.length * high(width) + EDGE.bottom,
     paint: (ctx, width) => paint(ctx, k, wide(width), high(width)),
   }));
-  const figure = el("div", { class: "maps" }, setups.map((name, k) =>
-    el("figure", { class: "map" }, el("figcaption", {}, `Setup ${name}`), drawings[k].canvas)));
+  const meanings = [["read", "read"], ["next", "next"], ["", "not read yet"]];
+  // A cell of several passes fills with each of them.
+  if (cells.flat(2).some((here) => here.length > 1)) meanings.splice(1, 0, ["in-part", "read in a part of its passes"]);
+  const legend = el("ul", { class: "legend" }, meanings.map(([kind, text]) => el("li", {}, el("span", { class: `swatch ${kind}` }), text)));
+  const figure = el("div", {}, legend, el("div", { class: "maps" }, setups.map((name, k) =>
+    el("figure", { class: "map" }, el("figcaption", {}, `Setup ${name}`), drawings[k].canvas))));
   const count = (here) => here.filter((index) => index < done).length;
 
   function paint(ctx, k, w, h) {
     grid(ctx, { rows, columns, rowsName: axes[0], columnsName: axes[1], left, top: EDGE.top, w, h });
     rows.forEach((_, i) => columns.forEach((_, j) => {
       const here = cells[k][i][j];
+      if (!here.length) return;
       const [x, y] = [left + j * w, EDGE.top + i * h];
-      ctx.globalAlpha = here.length ? 0.85 * (count(here) / here.length) : 0;
+      ctx.globalAlpha = 0.85 * (count(here) / here.length);
       ctx.fillStyle = colour("--blue");
       ctx.fillRect(x, y, w, h);
       ctx.globalAlpha = 1;

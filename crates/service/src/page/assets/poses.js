@@ -231,7 +231,7 @@ function pages(linear, size, names, value, timed, select) {
   const section = fold("Every pose", () => [
     el("p", { class: "row" }, el("label", {}, "Order", order), earlier, later, where),
     el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Residual of poses" },
-      el("table", {}, el("thead", {}, el("tr", {}, head.filter(Boolean).map((text) => el("th", { scope: "col" }, text)))), body)),
+      el("table", {}, el("thead", {}, el("tr", {}, head.filter(Boolean).map((text, k) => el("th", { scope: "col", class: k > 1 && "n" }, text)))), body)),
   ]);
   return {
     section,

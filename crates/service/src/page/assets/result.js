@@ -114,7 +114,7 @@ function card(page, candidate, who, first) {
     ...about.map(([label, text]) => el("p", {}, el("b", {}, `${label}: `), text)),
     sizes.length
       ? el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Size of ${effect}` },
-          el("table", {}, el("thead", {}, el("tr", {}, ["parameter", "value", "standard uncertainty u"].map((head) => el("th", { scope: "col" }, head)))),
+          el("table", {}, el("thead", {}, el("tr", {}, ["parameter", "value", "standard uncertainty u"].map((head, k) => el("th", { scope: "col", class: k > 0 && "n" }, head)))),
             el("tbody", {}, sizes.map(size))))
       : null,
   ];

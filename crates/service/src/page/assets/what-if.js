@@ -42,6 +42,7 @@ export async function make(page) {
       choices("Directions", state.directions.map((name, i) => ({ text: name, checked: true, value: name, set: (on) => (state.ways[i] = on) })), update)),
     el("h2", {}, "Residual, rms"), figure, remark, bars.place,
     el("div", { class: "maps" }, maps ? maps.drawn.map((map) => map.figure) : el("p", {}, "No map: fewer than two rotary axes moved.")),
+    isAlongAxes(linear) ? el("p", { class: "soft" }, "x, y, z are the axes of the instrument. Those of a nest on the table turn with it: there they are table X, Y, Z of the Result.") : null,
     curves?.section,
     el("h2", {}, "The selected poses"), poses.said,
     poses.chart, poses.arrows, poses.table,
@@ -50,6 +51,8 @@ export async function make(page) {
   update();
   return parts.filter(Boolean);
 }
+
+const isAlongAxes = ({ setups }) => setups.some(({ components }) => components.includes("x"));
 
 function choices(title, items, update) {
   if (!items.length) return el("fieldset", { class: "choices" }, el("legend", {}, title), el("p", {}, "There is none to switch."));
@@ -90,7 +93,7 @@ function mapsOf({ linear, rotary }, onPoint) {
   const names = [...new Set(linear.setups.flatMap((setup) => setup.components))];
   const where = linear.points.map((point) => [nearest(tilting.at, point.position[tilting.i]), nearest(turning.at, point.position[turning.i])]);
   const drawn = names.map((name) => heatMap({
-    title: `Residual of component ${name}, measured − predicted, mean over setups and directions`,
+    title: `Residual of component ${name} of the readings, measured − predicted, mean over setups and directions`,
     rows: tilting.at, columns: turning.at, rowsName: tilting.name, columnsName: turning.name, onPoint,
   }));
   return { names, drawn, where, rows: tilting.at.length, columns: turning.at.length, limit: 0 };
