@@ -6,7 +6,7 @@ use trunnion_core::Joint;
 use trunnion_results::{Datum, ErrorMap, LocationError, Looked, ResidualAxis, Volumetric, VolumetricValue};
 
 /// Heads of the table of values.
-pub const HEADS: [&str; 4] = ["over the volume", "value", "u", "from where to where"];
+pub const HEADS: [&str; 4] = ["over the volume", "value", "u", "from where to where (mm)"];
 
 /// Range by direction and the longest vector.
 pub fn rows(answer: &Volumetric) -> Vec<Vec<String>> {
@@ -36,7 +36,7 @@ fn range_of(found: &VolumetricValue) -> Option<Joint> {
     found.name.strip_prefix("range-").and_then(Joint::parse)
 }
 
-/// Positions of the axes that move, `X −240 Y 0 mm`.
+/// Positions of the axes that move, `X −240 Y 0 B 30°`; lengths in mm.
 fn at(answer: &Volumetric, position: &BTreeMap<String, f64>) -> String {
     let moves = |name: &String| answer.volume.get(name).is_some_and(|[low, high]| low < high);
     let axis = |axis: &ResidualAxis| {

@@ -4,6 +4,7 @@ use crate::markup::{element, escape, table};
 use crate::svg::{Lattice, lattice, nice_above};
 use crate::volumetric::{HEADS, notes, rows, verdict};
 use trunnion_core::convert::mm_from_um;
+use trunnion_results::sentences::sources;
 use trunnion_results::{ErrorAt, ErrorMap, Volumetric};
 
 /// The longest vector is drawn as long as this share of the longest side of the volume.
@@ -13,7 +14,8 @@ pub fn sections(answer: &Volumetric, map: &ErrorMap, volume: &str, label: &str) 
     let mut html = element("h1", &verdict(answer));
     let runs = answer.runs.join(", ");
     html += &format!(
-        "\n<p class=\"soft\">Source: ISO 230-1; S2 §1. Volume: {}. Runs: {}. {}</p>\n",
+        "\n<p class=\"soft\">Source: {}. Volume: {}. Runs: {}. {}</p>\n",
+        escape(&sources("ISO 230-1; S2 §1")),
         escape(volume),
         escape(&runs),
         escape(label)
