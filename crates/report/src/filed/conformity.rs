@@ -9,8 +9,15 @@ pub fn section(report: &Report) -> String {
     let body = match &report.conformity {
         Some(conformity) => {
             let rows: String = rows(conformity).iter().map(|(name, judged)| row(name, judged)).collect();
-            let head = ["machine", "largest deviation", "standard uncertainty", "where", "decision"];
-            let head: String = head.iter().map(|name| format!("<th scope=\"col\">{name}</th>")).collect();
+            let n = " class=\"n\"";
+            let head = [
+                ("machine", ""),
+                ("largest deviation", n),
+                ("standard uncertainty", n),
+                ("where", ""),
+                ("decision", ""),
+            ];
+            let head = head.map(|(name, class)| format!("<th scope=\"col\"{class}>{name}</th>")).concat();
             format!(
                 "<p><span>Tolerance:</span> <b>{}</b> <span class=\"soft\">(<span>{}</span>)</span></p>\n\
                  <div class=\"scroll\"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>\n\
