@@ -10,7 +10,7 @@ use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind}
 use crate::recipes::{Convention, Method};
 use std::cmp::Ordering::Equal;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::number::{signed, um};
+use trunnion_core::number::{plain, signed, um};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_machine::Machine;
@@ -32,8 +32,9 @@ pub(super) fn findings(
     values.extend(common.iter().map(|found| {
         let disagreement = found.disagreement * found.unit.per_inside;
         let note = format!(
-            "all planes together ({} of them see it); they disagree by up to {disagreement:.2} {}",
+            "all planes together ({} of them see it); they disagree by up to {} {}",
             found.planes,
+            plain(disagreement),
             found.unit.text()
         );
         FoundValue::new(format!("{} of all planes", found.name), found.value, found.unit, Some(found.u))
