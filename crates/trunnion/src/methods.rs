@@ -3,9 +3,10 @@
 use crate::gaps::Missing;
 use crate::{Error, Experiment, Fit, files, open};
 use std::path::Path;
-use trunnion_core::{Joint, names};
+use trunnion_core::{Joint, chain, names};
 use trunnion_cycles::Cycle;
 use trunnion_engine::ExperimentError;
+use trunnion_methods::Findings;
 use trunnion_methods::attribution::{Motion, attribute};
 use trunnion_methods::notation::{Layout, Notation};
 use trunnion_methods::recipes::{self, Method, MethodOptions};
@@ -49,14 +50,22 @@ impl Experiment {
         })
     }
 
-    /// What a named method of the literature finds in the runs.
+    /// What a named method of the literature finds in the runs. Of doubted runs that the method cannot use the answer is the doubt, without
+    /// values: what is wrong with them may be all that it lacks.
     ///
     /// # Errors
-    /// No method of this name; runs that lack what it needs.
+    /// No method of this name, or asked for what it does not have; good runs that lack what it needs.
     pub fn by_method(&self, name: &str, options: &MethodOptions) -> Result<results::Findings, Error> {
         let method = recipes::find(name)?;
-        let found = method.apply(self.runs(), options)?;
-        Ok(results::Findings { plausibility: self.plausibility(), ..(&found).into() })
+        let plausibility = self.plausibility();
+        let found = match method.apply(self.runs(), options) {
+            Err(refused) if refused.is_of_runs() && !plausibility.is_empty() => Findings {
+                notes: vec![format!("Not evaluated: {}.", chain(&refused).trim_end_matches('.'))],
+                ..method.findings(self.runs(), options.convention)
+            },
+            done => done?,
+        };
+        Ok(results::Findings { plausibility, ..(&found).into() })
     }
 
     /// Every named method, with what the runs lack for it.

@@ -87,6 +87,16 @@ pub enum MethodError {
     Fit(#[from] IdentifyError),
 }
 
+impl MethodError {
+    /// True where the runs are why, and not what was asked of them.
+    pub fn is_of_runs(&self) -> bool {
+        match self {
+            Self::Lacks { .. } | Self::Runs(_) | Self::Fit(_) => true,
+            Self::Unknown { .. } | Self::NoAxis { .. } | Self::NoConvention { .. } => false,
+        }
+    }
+}
+
 impl Method {
     /// Applies it to runs.
     ///
@@ -103,7 +113,7 @@ impl Method {
     }
 
     /// Findings of these runs of one machine, without anything found yet.
-    pub(crate) fn findings(&self, runs: &[Run], convention: Convention) -> Findings {
+    pub fn findings(&self, runs: &[Run], convention: Convention) -> Findings {
         Findings {
             method: self.name,
             source: self.source,

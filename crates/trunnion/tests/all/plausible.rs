@@ -365,3 +365,24 @@ fn a_named_method_states_the_doubt_above_its_numbers() {
     let good = Files::committed("points-gravity").open();
     assert_eq!(good.by_method(&name, &trunnion::MethodOptions::default()).unwrap().plausibility, []);
 }
+
+/// A method that cannot use doubted runs says what is wrong with them, not what it lacks because of that.
+#[test]
+fn every_named_method_answers_doubted_runs_with_the_doubt() {
+    let mut files = Files::committed("points-gravity");
+    files.change("c_deg", |deg| -deg);
+    let run = files.open();
+    let doubt = run.plausibility();
+    assert!(doubt[0].hypothesis.contains("sense of C reversed"), "{doubt:?}");
+    for method in trunnion::EVERY_METHOD {
+        let found = run.by_method(method.name, &trunnion::MethodOptions::default());
+        let found = found.unwrap_or_else(|refused| panic!("{}: {refused}", method.name));
+        assert_eq!(found.plausibility, doubt, "{}", method.name);
+    }
+    // What is asked wrongly is still refused, and so are good runs that lack what the method needs.
+    let axis = Some(run.rotary_joint("B").unwrap());
+    let options = trunnion::MethodOptions { axis, ..trunnion::MethodOptions::default() };
+    assert!(run.by_method("circular", &options).is_err());
+    let good = Files::committed("points-gravity").open();
+    assert!(good.by_method("circular", &trunnion::MethodOptions::default()).is_err());
+}
