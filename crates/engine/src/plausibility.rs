@@ -5,6 +5,7 @@
 //! machine itself can do is never one.
 
 mod chance;
+mod changed;
 mod channels;
 mod claim;
 mod clock;
@@ -34,12 +35,13 @@ mod together;
 mod travel;
 mod ways;
 
+pub use changed::Left;
 pub use clock::{ClockDoubt, clock_doubt};
 pub use found::Implausible;
 pub use readings::FEWEST_POINTS;
 pub use rounded::positions::PositionDigits;
 pub use rounded::{Rounded, What as RoundedWhat};
-pub use together::{Unlike, unlike};
+pub use together::{Differs, How, Unlike, unlike};
 
 use rounded::lengths::rounded_lengths;
 use trunnion_core::InstrumentKind;

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_core::number::{fixed, signed};
 use trunnion_engine::fit::doubts as engine;
-use trunnion_engine::plausibility::{ClockDoubt, Rounded, Unlike};
+use trunnion_engine::plausibility::{ClockDoubt, Differs, How, Left, Rounded, Unlike};
 
 /// Numbers of a fit to doubt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -96,15 +96,24 @@ impl Doubt {
 impl Doubt {
     /// About two runs that are fitted together.
     pub fn unlike_runs(unlike: &Unlike) -> Self {
-        let Unlike { runs: [a, b], count, differ_um, most, shown } = unlike;
-        let words = format!(
-            "the runs {a} and {b} are as unlike as those of two machines: all {count} location errors that both determine differ, by {} µm rms at the \
-             ball; {most} is {} in {a} and {} in {b}. Are both of one machine, in one state? Fit them one by one: what is fitted to both \
-             may hold for neither.",
-            fixed(*differ_um, 1),
-            shown[0],
-            shown[1]
-        );
+        let Unlike { runs: [a, b], how, most } = unlike;
+        let most = most.as_ref().map_or_else(String::new, |Differs { name, shown: [in_a, in_b] }| {
+            format!("; {name} is {in_a} in {a} and {in_b} in {b}")
+        });
+        let words = match how {
+            How::OfTwoMachines { count, differ_um } => format!(
+                "the runs {a} and {b} are as unlike as those of two machines: all {count} location errors that both determine differ, by {} µm rms at \
+                 the ball{most}. Are both of one machine, in one state? Fit them one by one: what is fitted to both may hold for neither.",
+                fixed(*differ_um, 1)
+            ),
+            How::Changed(Left { together_um, apart_um }) => format!(
+                "the machine changed between the runs {a} and {b}: with common location errors they leave {} rms, with their own {}{most}. Was \
+                 something corrected, repaired or hit, or did the machine warm up? Fit them one by one, and see with `trunnion history` what \
+                 changed: causes found in both together may be invented.",
+                um(*together_um),
+                um(*apart_um)
+            ),
+        };
         Self { effect: None, names: Vec::new(), reason: DoubtReason::UnlikeRuns, words }
     }
 

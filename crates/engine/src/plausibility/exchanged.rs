@@ -14,6 +14,8 @@ mod turning;
 mod unsettled;
 mod unsigned;
 
+pub(super) use physics::of_an_axis_mm;
+
 use super::fitted::{Fitted, Tried};
 use super::found::Implausible;
 use super::looked::Looked;
@@ -36,7 +38,7 @@ pub(super) const GROSS_UM: f64 = 2.0;
 const GROSS_REPEATABILITIES: f64 = 5.0;
 /// What leaves no more than this times the least explains as much: the simpler mistake, tried first, is named. A free angle takes up a
 /// little of every effect.
-const AS_GOOD: f64 = 1.25;
+pub(super) const AS_GOOD: f64 = 1.25;
 /// Standard deviations by which what is left may exceed what readings repeat within.
 const SURE: f64 = 3.0;
 /// Rows by which readings may be late; more are another measurement.

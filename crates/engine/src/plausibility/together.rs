@@ -6,6 +6,7 @@
 //! Limits: a correction that left more than a quarter, or of fewer errors, looks like one day and the next. Runs as unlike as those of two machines are
 //! said to be so and judged all the same: a machine may have changed so far.
 
+use super::changed::{Left, changed};
 use super::found::{Implausible, plain};
 use crate::fit::Options;
 use crate::{Experiment, HeldOut, Identification, identify};
@@ -29,28 +30,48 @@ const INDEPENDENT: f64 = 0.5;
 /// Each of them differs by so many standard uncertainties: one in 16 000 of equal ones does [normal distribution].
 const SURE: f64 = 4.0;
 /// Smaller differences are those of days: 2 K move the end of half a metre of steel by 12 µm.
-const BEYOND_DAYS_UM: f64 = 12.0;
+pub(super) const BEYOND_DAYS_UM: f64 = 12.0;
+pub(super) const DAYS_K: f64 = 2.0;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     of_neighbours(runs, corrected)
 }
 
-/// Two runs whose location errors are as unlike as those of two machines.
+/// Two runs that are not of one state of one machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unlike {
     /// Names of the runs.
     pub runs: [String; 2],
-    /// How many location errors both determine; all differ.
-    pub count: usize,
-    /// By how much, root mean square at the ball, µm.
-    pub differ_um: f64,
-    /// The one that differs most, with its value in each run.
-    pub most: String,
+    /// How that shows.
+    pub how: How,
+    /// The location error that differs most of those that both determine, if any.
+    pub most: Option<Differs>,
+}
+
+/// How it shows that two runs are not of one state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum How {
+    /// Location errors are as unlike as those of two machines.
+    OfTwoMachines {
+        /// How many both determine; all differ.
+        count: usize,
+        /// By how much, root mean square at the ball, µm.
+        differ_um: f64,
+    },
+    /// Each has its own, and they have none in common.
+    Changed(Left),
+}
+
+/// A location error with its value in each of two runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Differs {
+    /// Its name.
+    pub name: String,
     /// The values.
     pub shown: [String; 2],
 }
 
-/// Neighbouring runs of one machine that may be of two.
+/// Neighbouring runs of one machine that are not of one state of it.
 pub fn unlike(runs: &[Run]) -> Vec<Unlike> {
     of_neighbours(runs, unlike_pair)
 }
@@ -97,7 +118,17 @@ impl Known<'_> {
 
 fn unlike_pair(runs: [&Run; 2], fits: [&Identification; 2], lever_mm: f64) -> Option<Unlike> {
     let known = known(fits, lever_mm);
-    let most = known.iter().max_by(|a, b| a.differs_um().total_cmp(&b.differs_um()))?;
+    let how = of_two_machines(&known).or_else(|| changed(runs).map(How::Changed))?;
+    let sure = known.iter().filter(|one| one.differs_um() > SURE * one.u_um);
+    let most = sure.max_by(|a, b| a.differs_um().total_cmp(&b.differs_um()));
+    Some(Unlike {
+        runs: runs.map(|run| run.name.clone()),
+        how,
+        most: most.map(|most| Differs { name: most.name.into(), shown: most.shown.clone() }),
+    })
+}
+
+fn of_two_machines(known: &[Known<'_>]) -> Option<How> {
     let differ_um = rms(known.iter().map(Known::differs_um))?;
     let sizes_um = rms(known.iter().map(|one| one.moves_um[0].hypot(one.moves_um[1])))?;
     let all_differ = known.iter().all(|one| one.differs_um() > SURE * one.u_um);
@@ -105,13 +136,7 @@ fn unlike_pair(runs: [&Run; 2], fits: [&Identification; 2], lever_mm: f64) -> Op
         && all_differ
         && differ_um > BEYOND_DAYS_UM
         && differ_um.powi(2) > INDEPENDENT * sizes_um.powi(2);
-    is_unlike.then(|| Unlike {
-        runs: runs.map(|run| run.name.clone()),
-        count: known.len(),
-        differ_um,
-        most: most.name.into(),
-        shown: most.shown.clone(),
-    })
+    is_unlike.then(|| How::OfTwoMachines { count: known.len(), differ_um })
 }
 
 fn corrected(runs: [&Run; 2], fits: [&Identification; 2], lever_mm: f64) -> Option<Implausible> {

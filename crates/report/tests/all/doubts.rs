@@ -7,7 +7,7 @@ use trunnion_results::{Doubt, DoubtReason};
 fn doubts_of(reason: DoubtReason) -> Vec<Doubt> {
     use trunnion_core::axis::iso::C;
     use trunnion_engine::fit::doubts::{Doubt as Found, DoubtReason as Why};
-    use trunnion_engine::plausibility::{ClockDoubt, Rounded, RoundedWhat, Unlike};
+    use trunnion_engine::plausibility::{ClockDoubt, Differs, How, Left, Rounded, RoundedWhat, Unlike};
     let found =
         |reason| vec![Doubt::from(&Found { effect: None, names: vec!["a".into(), "b".into()], reason })];
     let rounded = |given: &str, what| {
@@ -42,13 +42,21 @@ fn doubts_of(reason: DoubtReason) -> Vec<Doubt> {
         }
         DoubtReason::LoneReadings => vec![lone(None), lone(Some("setup low, component x".into()))],
         DoubtReason::OtherMachine => vec![Doubt::other_machine(["table-bc", "table-ac"])],
-        DoubtReason::UnlikeRuns => vec![Doubt::unlike_runs(&Unlike {
-            runs: ["monday".into(), "tuesday".into()],
-            count: 8,
-            differ_um: 19.8,
-            most: "EZ0B".into(),
-            shown: ["−30.8 µm".into(), "+11.3 µm".into()],
-        })],
+        DoubtReason::UnlikeRuns => {
+            let most =
+                || Some(Differs { name: "EZ0B".into(), shown: ["−30.8 µm".into(), "+11.3 µm".into()] });
+            let changed = How::Changed(Left { together_um: 23.5, apart_um: 0.41 });
+            let all = [
+                (How::OfTwoMachines { count: 8, differ_um: 19.8 }, most()),
+                (changed, most()),
+                (changed, None),
+            ];
+            let doubt = |(how, most)| {
+                let runs = ["monday".into(), "tuesday".into()];
+                Doubt::unlike_runs(&Unlike { runs, how, most })
+            };
+            all.map(doubt).into()
+        }
     }
 }
 

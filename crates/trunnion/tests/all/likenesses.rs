@@ -3,6 +3,10 @@
 use crate::mistakes::{Files, READINGS};
 use std::path::Path;
 use trunnion::results::{Check, DoubtReason};
+use trunnion_core::Joint;
+use trunnion_core::convert::{mm_from_um, um_from_mm};
+use trunnion_instruments::predict;
+use trunnion_machine::Errors;
 
 const SETS: [&str; 3] = ["points-gravity", "points-nothing-hidden", "points-backlash-and-drift"];
 
@@ -166,4 +170,54 @@ fn runs_as_unlike_as_those_of_two_machines_are_said_to_be_so() {
     assert_eq!(doubt.reason, DoubtReason::UnlikeRuns);
     assert!(doubt.words.contains("all 8 location errors that both determine differ"), "{}", doubt.words);
     assert!(doubt.words.contains("Are both of one machine, in one state?"), "{}", doubt.words);
+}
+
+/// Every second pose, from `first` on, of a machine whose lines of B and C moved by these µm and µrad since.
+fn other_poses(first: usize, moved: [f64; 4]) -> Files {
+    let mut files = Files::committed("points-nothing-hidden");
+    let run = files.open().runs()[0].clone();
+    let mut errors = Errors::default();
+    let [exb_um, eab_urad, exc_um, eyc_um] = moved;
+    errors.joints[Joint::B].translation_mm.x = mm_from_um(exb_um);
+    errors.joints[Joint::B].rotation_rad.x = eab_urad * 1e-6;
+    errors.joints[Joint::C].translation_mm.x = mm_from_um(exc_um);
+    errors.joints[Joint::C].translation_mm.y = mm_from_um(eyc_um);
+    for (row, point) in run.points.iter().enumerate() {
+        let setup = &run.setups[point.state.setup];
+        let of = |errors: &Errors| predict(&run.machine, setup, &point.state, errors);
+        let by_mm = of(&errors) - of(&Errors::default());
+        for (k, name) in READINGS.iter().enumerate() {
+            // Mounted again, with a noise of its own.
+            let noise = 0.3 * ((row * 3 + k) as f64 * 12.9898 + first as f64).sin();
+            let value =
+                files.number(row, name) + um_from_mm(by_mm[k]) + 7.0 * k as f64 * first as f64 + noise;
+            files.set(row, name, value, 2);
+        }
+    }
+    files.change("time_s", |s| s + 86_400.0 * first as f64);
+    let mut row = 0;
+    files.rows.retain(|_| {
+        row += 1;
+        (row - 1) % 2 == first
+    });
+    files
+}
+
+/// Some location errors changed by 20 to 50 µm between cycles of other poses; or by what a day changes.
+#[test]
+fn runs_of_other_poses_between_which_the_machine_changed_are_doubted_and_days_are_not() {
+    let before = other_poses(0, [0.0; 4]);
+    for (moved, expected) in [
+        ([0.0, 0.0, 35.0, -25.0], true),
+        ([20.0, 40.0, -30.0, 0.0], true),
+        ([0.0; 4], false),
+        ([5.0, -6.0, 4.0, 6.0], false),
+    ] {
+        let check = together(&before, &other_poses(1, moved));
+        assert_eq!(check.plausibility, [], "{moved:?}");
+        let changed =
+            check.doubts.iter().any(|doubt| doubt.words.contains("the machine changed between the runs"));
+        assert_eq!(changed, expected, "{moved:?}: {:?}", check.doubts);
+        assert_eq!(check.doubts.len(), usize::from(expected), "{moved:?}: {:?}", check.doubts);
+    }
 }
