@@ -123,8 +123,8 @@ fn exports(run: &Path, planned: usize, read: usize) {
     let rows = |table: &str| table.lines().count() - 1;
     let every = part("every-point");
     assert_eq!(rows(&every), planned);
-    assert_eq!(every.lines().filter(|line| line.ends_with(",good")).count(), read, "{every}");
-    assert!(every.lines().next().unwrap().ends_with(",quality") && every.contains(",no-reading"));
+    assert_eq!(every.lines().filter(|line| line.ends_with(",good,")).count(), read, "{every}");
+    assert!(every.lines().next().unwrap().ends_with(",quality,why") && every.contains(",no-reading,"));
     assert!(!every.contains("NaN"));
     assert_eq!(rows(&part("points")), read);
     let samples = part("samples");

@@ -32,7 +32,7 @@ pub use axis::{AxisValues, Joint, JointError, Slot};
 pub use chain::chain;
 pub use channel::{Channel, Role};
 pub use kind::{InstrumentKind, ReadingColumn};
-pub use point::{Point, Quality};
+pub use point::{Lacks, Point, Quality};
 pub use problem::{Problem, Problems};
 pub use renamed::{Part, Renamed};
 pub use sample::{AxisSample, Event, Gap, ProbeSample, Stamp};

@@ -10,8 +10,22 @@ pub enum Quality {
     Good,
     /// Never settled within the time limit; kept, marked, not fitted.
     Unsettled,
-    /// A probe reported an error or was absent.
-    NoReading,
+    /// Nothing was read.
+    NoReading(Lacks),
+}
+
+/// Why nothing was read at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lacks {
+    /// Nobody says it: a recording of an older version.
+    #[default]
+    Unsaid,
+    /// The machine never dwelt there: it dwelt at a later pose next.
+    Dwell,
+    /// The machine stood there, and not every probe had values: one reported errors or was absent, or the dwell was too short.
+    Value,
+    /// The cycle ended before.
+    End,
 }
 
 /// One point of a run.

@@ -3,7 +3,7 @@
 use crate::column::{Column, on_the_fly, readings, spindle_of};
 use crate::item::RunHeader;
 use trunnion_core::{
-    AxisSample, AxisValues, Joint, Point, ProbeSample, Quality, ReadingColumn, Setup, convert,
+    AxisSample, AxisValues, Joint, Lacks, Point, ProbeSample, Quality, ReadingColumn, Setup, convert,
 };
 use trunnion_cycles::{Run, RunKind};
 
@@ -25,23 +25,33 @@ pub fn points_csv_with_axes(run: &Run, axes: &[AxisSample]) -> String {
     table.text()
 }
 
-/// Every point of a run, the unsettled and those without a reading too: the columns of [`points_csv`] and `quality`, which is `good`,
-/// `unsettled` or `no-reading`. A reading that is none is empty.
+/// Every point of a run, the unsettled and those without a reading too: the columns of [`points_csv`], `quality`, which is `good`,
+/// `unsettled` or `no-reading`, and `why`, in words. A reading that is none is empty.
 pub fn every_point_csv(run: &Run) -> String {
     let columns = columns(run, &[]);
-    let names = columns.iter().map(Column::name).chain(["quality".into()]);
+    let names = columns.iter().map(Column::name).chain(["quality".into(), "why".into()]);
     let mut table = Table::with_header(&names.collect::<Vec<_>>());
     for point in &run.points {
         let cells = columns.iter().map(|column| cell(run, column, point, None));
         let known = cells.map(|cell| if cell == "NaN" { String::new() } else { cell });
-        let quality = match point.quality {
-            Quality::Good => "good",
-            Quality::Unsettled => "unsettled",
-            Quality::NoReading => "no-reading",
+        let (quality, why) = match point.quality {
+            Quality::Good => ("good", ""),
+            Quality::Unsettled => ("unsettled", "the reading never settled within the limits of the cycle"),
+            Quality::NoReading(lacks) => ("no-reading", in_words(lacks)),
         };
-        table.row(known.chain([quality.into()]));
+        table.row(known.chain([quality.into(), why.into()]));
     }
     table.text()
+}
+
+/// What a point without a reading lacks.
+fn in_words(lacks: Lacks) -> &'static str {
+    match lacks {
+        Lacks::Unsaid => "not recorded",
+        Lacks::Dwell => "the machine did not dwell at this pose",
+        Lacks::Value => "the machine stood there and not every probe had values",
+        Lacks::End => "the cycle ended before this pose",
+    }
 }
 
 fn columns(run: &Run, axes: &[AxisSample]) -> Vec<Column> {

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use prost::Message;
 use samples::{axes_from, by_place, from_places, probes_from};
 use trunnion_core::{
-    AxisSample, Event, Gap, HostTime, Point, ProbeSample, Quality, Role, Setup, State, convert,
+    AxisSample, Event, Gap, HostTime, Lacks, Point, ProbeSample, Quality, Role, Setup, State, convert,
 };
 use trunnion_cycles::RunKind;
 
@@ -121,6 +121,20 @@ fn header_from(message: pb::RunHeader) -> Result<RunHeader, WireError> {
     })
 }
 
+const NO_READING: &str = "no-reading";
+
+/// Each reason by its word in a recording.
+const LACKS: [(&str, Lacks); 4] =
+    [("", Lacks::Unsaid), ("dwell", Lacks::Dwell), ("value", Lacks::Value), ("end", Lacks::End)];
+
+fn word_of(lacks: Lacks) -> &'static str {
+    LACKS.iter().find(|(_, own)| *own == lacks).map_or("", |(word, _)| word)
+}
+
+fn lacks_of(word: &str) -> Lacks {
+    LACKS.iter().find(|(own, _)| *own == word).map_or(Lacks::Unsaid, |(_, lacks)| *lacks)
+}
+
 /// A point with its place in the order of the run.
 pub fn encode_point(index: u64, point: &Point) -> Encoded {
     let state = &point.state;
@@ -141,7 +155,11 @@ pub fn encode_point(index: u64, point: &Point) -> Encoded {
         quality: match point.quality {
             Quality::Good => "good".into(),
             Quality::Unsettled => "unsettled".into(),
-            Quality::NoReading => "no-reading".into(),
+            Quality::NoReading(_) => NO_READING.into(),
+        },
+        lacks: match point.quality {
+            Quality::NoReading(lacks) => word_of(lacks).into(),
+            Quality::Good | Quality::Unsettled => String::new(),
         },
         target: u32::try_from(state.target).unwrap_or(u32::MAX),
     };
@@ -165,7 +183,8 @@ fn point_from(m: pb::Point) -> Result<Point, WireError> {
         let quality = match m.quality.as_str() {
             "good" => Quality::Good,
             "unsettled" => Quality::Unsettled,
-            "no-reading" => Quality::NoReading,
+            // A word of a later version is none of ours.
+            NO_READING => Quality::NoReading(lacks_of(&m.lacks)),
             _ => return None,
         };
         let (reading_mm, spread_mm) = (setup::three(&m.reading_mm)?, setup::three(&m.spread_mm)?);

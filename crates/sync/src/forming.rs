@@ -201,7 +201,7 @@ impl Forming {
     }
 
     fn zero(&mut self, point: &mut Point) {
-        if point.quality == Quality::NoReading {
+        if matches!(point.quality, Quality::NoReading(_)) {
             return;
         }
         let reading_mm = Vector3::from(point.reading_mm);

@@ -4,7 +4,7 @@
 //! over one window, the axes stood, every channel had samples throughout, its halves agree within the drift limit and
 //! its robust spread (1.4826 · median absolute deviation) is within the noise limit. A pose that was left early or never
 //! settled is marked `Unsettled` with what was read; one that was passed by, or without a probe value, `NoReading` with
-//! NaN. Every pose gives exactly one point.
+//! NaN and what it lacks. Every pose gives exactly one point.
 //!
 //! Two poses at one place one after the other (the grid turns back) may be one dwell: the second is read from a window
 //! of its own behind the first. Should the machine leave and come back to it, the later reading counts.
@@ -20,7 +20,7 @@ use crate::align::{Aligned, AxisState};
 use crate::cycle_event::{CycleEvent, EndReason, Progress};
 use crate::nest::NestCalibration;
 use dwell::Dwell;
-use trunnion_core::{AxisValues, Joint, Point, Quality};
+use trunnion_core::{AxisValues, Joint, Lacks, Point, Quality};
 use trunnion_cycles::cycle::Pose;
 
 /// The state machine.
@@ -207,7 +207,7 @@ impl StaticCycle {
     /// Points for the poses passed by before the one `ahead` of the next.
     fn skip(&mut self, ahead: usize, time_s: f64, events: &mut Vec<CycleEvent>) {
         for _ in 0..ahead {
-            let point = self.early.take().unwrap_or_else(|| self.missing(self.next));
+            let point = self.early.take().unwrap_or_else(|| self.missing(self.next, Lacks::Dwell));
             self.decide(point, time_s, events);
         }
     }
@@ -225,7 +225,7 @@ impl StaticCycle {
 
     fn end(&mut self, reason: EndReason, time_s: f64, events: &mut Vec<CycleEvent>) {
         while self.next < self.poses.len() {
-            let point = self.early.take().unwrap_or_else(|| self.missing(self.next));
+            let point = self.early.take().unwrap_or_else(|| self.missing(self.next, Lacks::End));
             events.push(CycleEvent::Point { pose: self.next, point, time_s });
             self.next += 1;
         }
@@ -235,7 +235,7 @@ impl StaticCycle {
 
     /// The point of a pose from the window of this dwell.
     fn point(&self, index: usize, quality: Quality) -> Point {
-        let mut point = self.missing(index);
+        let mut point = self.missing(index, Lacks::Value);
         let calibration =
             self.calibrations.get(self.poses[index].setup).or(self.calibrations.last()).copied();
         let calibration = calibration.unwrap_or_else(NestCalibration::orthogonal);
@@ -253,14 +253,14 @@ impl StaticCycle {
     }
 
     /// The point of a pose without a reading: NaN, with the direction the cycle asked for.
-    fn missing(&self, index: usize) -> Point {
+    fn missing(&self, index: usize, lacks: Lacks) -> Point {
         let pose = &self.poses[index];
         let mut point = Point {
             state: Default::default(),
             reading_mm: [f64::NAN; 3],
             spread_mm: [f64::NAN; 3],
             samples: 0,
-            quality: Quality::NoReading,
+            quality: Quality::NoReading(lacks),
         };
         point.state.position = pose.position;
         point.state.direction = pose.direction;

@@ -89,7 +89,7 @@ impl Planned {
         self.taken = self.taken.max(index + 1);
         let fate = match point.quality {
             Quality::Good if point.reading_mm.iter().all(|mm| mm.is_finite()) => Fate::Read,
-            Quality::Good | Quality::NoReading => Fate::Missing,
+            Quality::Good | Quality::NoReading(_) => Fate::Missing,
             Quality::Unsettled => Fate::Unsettled,
         };
         let at = match &mut self.passes {

@@ -15,8 +15,8 @@ use std::path::PathBuf;
 
 /// Export recordings as a table, or for a 3D viewer
 ///
-/// points: the good points, as `import` reads them. every-point: unsettled points and those without a reading too, with a column
-/// `quality`. samples: what each probe sent, with raw numbers and ticks. axes: positions of the axes. residuals: measured, predicted
+/// points: the good points, as `import` reads them. every-point: unsettled points and those without a reading too, with the
+/// columns `quality` and `why`. samples: what each probe sent, with raw numbers and ticks. axes: positions of the axes. residuals: measured, predicted
 /// and residual reading of every pose, as --model fits it. effects: what each effect of the model makes of each reading; effects
 /// that are confounded in the run are one. parameters: what that fit found. runs: the fit in one row.
 ///

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 use std::time::Duration;
 use trunnion_core::{
-    AxisSample, AxisValues, Event, Gap, HostTime, Point, ProbeSample, Quality, Stamp, State,
+    AxisSample, AxisValues, Event, Gap, HostTime, Lacks, Point, ProbeSample, Quality, Stamp, State,
 };
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::{Machine, shipped};
@@ -57,7 +57,9 @@ fn random_point(rng: &mut ChaCha8Rng) -> Point {
     state.temperature_degc = vec![20.0 + rng.random::<f64>(), f64::NAN];
     state.setup = 1;
     state.deflection_mm.x = rng.random();
-    let quality = [Quality::Good, Quality::Unsettled, Quality::NoReading][rng.random_range(0..3)];
+    let lacks = [Lacks::Unsaid, Lacks::Dwell, Lacks::Value, Lacks::End].map(Quality::NoReading);
+    let qualities = [[Quality::Good, Quality::Unsettled].as_slice(), &lacks].concat();
+    let quality = qualities[rng.random_range(0..qualities.len())];
     Point {
         state,
         reading_mm: [rng.random(), -0.0, rng.random()],

@@ -32,7 +32,7 @@ impl Counted {
         *match quality {
             Quality::Good => &mut self.read,
             Quality::Unsettled => &mut self.unsettled,
-            Quality::NoReading => &mut self.missing,
+            Quality::NoReading(_) => &mut self.missing,
         } += 1;
     }
 }

@@ -202,7 +202,8 @@ fn poses_passed_by_get_points_without_reading() {
     let steps =
         Shop { legs: &legs(&[0.0, 1.0, 1.5], 1.5), reading: &|_, _, _| [0.0; 3], noise_mm: 0.0 }.run();
     let events = play(&mut cycle(&[0.0, 0.25, 0.5, 1.0, 1.5, 2.0]), &steps);
-    assert_eq!(qualities(&events), [Good, NoReading, NoReading, Good, Good, NoReading]);
+    let [passed, end_of_cycle] = [Lacks::Dwell, Lacks::End].map(NoReading);
+    assert_eq!(qualities(&events), [Good, passed, passed, Good, Good, end_of_cycle]);
     assert_eq!(end(&events), EndReason::Stopped);
     assert!(points(&events)[1].reading_mm[0].is_nan());
 }
@@ -216,7 +217,7 @@ fn a_missing_probe_inside_a_stand_delays_the_point_and_a_dead_one_leaves_it_with
     };
     let steps = Shop { legs: &legs(&[0.0, 0.5], 4.0), reading: &reading, noise_mm: 0.0 }.run();
     let events = play(&mut cycle(&[0.0, 0.5]), &steps);
-    assert_eq!(qualities(&events), [Good, NoReading]);
+    assert_eq!(qualities(&events), [Good, NoReading(Lacks::Value)]);
     let first = &points(&events)[0];
     assert_eq!(first.reading_mm, [0.001, 0.002, 0.003]);
     // The stand begins at 0.4 s, the probe is back at 0.9 s: the window lies behind.
@@ -261,7 +262,10 @@ fn a_machine_that_stops_for_good_ends_the_cycle_and_progress_reports_the_time_le
     let mut cycle = StaticCycle::new(poses(&stations), rules, vec![], vec![C], 0);
     let mut events = Vec::new();
     steps.iter().for_each(|step| cycle.push(step, &mut events));
-    assert_eq!((qualities(&events), end(&events)), (vec![Good, Good, Good, NoReading], EndReason::NoMotion));
+    assert_eq!(
+        (qualities(&events), end(&events)),
+        (vec![Good, Good, Good, NoReading(Lacks::End)], EndReason::NoMotion)
+    );
 
     let mut again = StaticCycle::new(poses(&stations), rules, vec![], vec![C], 0);
     let third = steps.iter().position(|step| {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use trunnion_machine::NamePlate;
 
 /// Columns that hold text; all others hold numbers. By name and not by what is in them, so that the tables of all runs fit together.
-const TEXT: [&str; 12] = [
+const TEXT: [&str; 13] = [
     "machine",
     "serial",
     "run",
@@ -21,6 +21,7 @@ const TEXT: [&str; 12] = [
     "target",
     "probe",
     "quality",
+    "why",
     "effect",
     "parameter",
     "unit",

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use trunnion::cycles::{Cycle, Pace, Run, RunKind};
 use trunnion::results::{Complete, Missing, Question, Verdict};
-use trunnion_core::{Point, Quality, State};
+use trunnion_core::{Lacks, Point, Quality, State};
 use trunnion_machine::shipped;
 
 const STATIC: &str = include_str!("../../../../config/cycles/demo-static.toml");
@@ -41,7 +41,7 @@ impl Recorded {
         let point = |(k, state): (usize, &State)| {
             let quality = fate(k, state)?;
             let value = |component| match quality {
-                Quality::NoReading => f64::NAN,
+                Quality::NoReading(_) => f64::NAN,
                 _ => scatter_mm(k, component),
             };
             let reading_mm = [value(0), value(1), value(2)];
@@ -112,7 +112,7 @@ fn ten_of_72_poses_are_not_judged_and_every_surface_says_why() {
 #[test]
 fn a_cycle_that_lacks_little_is_judged_and_what_it_lacks_is_counted() {
     let fate = |k, _: &State| match k {
-        3 | 7 => Some(Quality::NoReading),
+        3 | 7 => Some(Quality::NoReading(Lacks::Value)),
         9 => Some(Quality::Unsettled),
         _ => Some(Quality::Good),
     };
