@@ -152,7 +152,10 @@ fn words(change: &RunChange, asked: Option<&Asked<'_>>, verdict: Verdict) -> Vec
             changed.iter().filter(|one| one.effect == effect).map(|one| in_words(one)).collect();
         words.push(format!("Changed in {}: {}.", effect_name(effect), list.join("; ")));
     }
+    // What the earlier run does not determine predicts nothing either.
+    let asked = asked.filter(|_| !change.parameters.is_empty());
     match asked {
+        _ if change.parameters.is_empty() => words.push(none_in_common(from, to)),
         _ if !words.is_empty() => {}
         None => words.push("No value changed significantly.".into()),
         Some(asked) if asked.run.holds() => {
@@ -187,6 +190,13 @@ fn words(change: &RunChange, asked: Option<&Asked<'_>>, verdict: Verdict) -> Vec
         ));
     }
     words
+}
+
+/// Of two runs without a value that both determine in the same meaning.
+pub(super) fn none_in_common(from: &str, to: &str) -> String {
+    format!(
+        "No value can be compared: {from} and {to} determine none in common. Repeat the cycle of {from} to see what changed."
+    )
 }
 
 /// `direction of axis B about X by +49.69 ± 0.30 µrad (EA0B, 167 u)`; behind ± stands the standard uncertainty.
@@ -230,9 +240,13 @@ mod tests {
     #[test]
     fn a_difference_that_no_value_explains_is_said() {
         let run = RunPrediction { rms_um: 5.0, inside_95_fraction: 0.4, ..RunPrediction::default() };
-        let change = RunChange { from: "a".into(), to: "b".into(), ..RunChange::default() };
-        let said =
-            words(&change, Some(&Asked { run: &run, differs: true, before_um: 1.0 }), Verdict::Undecided);
-        assert!(said[0].contains("b differs from what the values of a predict"), "{said:?}");
+        let said = |parameters: Vec<ChangedParameter>| {
+            let change = RunChange { from: "a".into(), to: "b".into(), parameters, ..RunChange::default() };
+            words(&change, Some(&Asked { run: &run, differs: true, before_um: 1.0 }), Verdict::Undecided)
+        };
+        let shared = said(vec![ChangedParameter::default()]);
+        assert!(shared[0].contains("b differs from what the values of a predict"), "{shared:?}");
+        let [alone] = &said(Vec::new())[..] else { panic!("one sentence of runs that share no value") };
+        assert!(alone.starts_with("No value can be compared: a and b determine none in common."), "{alone}");
     }
 }

@@ -1,6 +1,6 @@
 //! Corrections that were entered into the control: kept next to the recordings, one a line, and what the runs around each show.
 
-use super::change::between;
+use super::change::{between, none_in_common};
 use crate::{Error, moment};
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -124,6 +124,7 @@ fn words(
     let changed: Vec<String> =
         parameters.iter().filter(|one| one.changed).take(MOST_NAMED).map(from_to).collect();
     words.push(match changed.is_empty() {
+        _ if parameters.is_empty() => none_in_common(&before.run, &after.run),
         true => format!(
             "From {} to {} no value changed significantly: the correction does not show.",
             before.run, after.run
@@ -203,6 +204,15 @@ mod tests {
         assert!(said(2).contains("the correction does not show"), "{}", said(2));
         assert!(said(5).contains("measure the same cycle again"), "{}", said(5));
         assert!(said(0).contains("No run was analysed before it"), "{}", said(0));
+    }
+
+    #[test]
+    fn runs_that_share_no_value_are_not_said_to_have_kept_theirs() {
+        let mut other = run("wed", 3, 12.0);
+        other.values[0].name = "EX0B".into();
+        let said = around(&[run("mon", 1, 12.0), other], &[correction(2)])[0].words.join(" ");
+        assert!(said.contains("No value can be compared: mon and wed determine none in common"), "{said}");
+        assert!(!said.contains("changed significantly"), "{said}");
     }
 
     #[test]
