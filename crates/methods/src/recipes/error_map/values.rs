@@ -42,7 +42,8 @@ pub(super) fn findings(
     let around = harmonics_of_turning(grid, c_errors);
     values.extend(around.iter().map(|(name, unit, of)| {
         let value = of.range_value(name, *unit);
-        let note = format!("mean over {}, without the bias of noise; {}", grid.tilting, value.note);
+        let off = or_between_nests(grid, name, of);
+        let note = format!("mean over {}, without the bias of noise; {}{off}", grid.tilting, value.note);
         value.note(note)
     }));
     values.extend(at_the_tilts(grid, c_errors));
@@ -129,6 +130,34 @@ fn at_the_tilts(grid: &Grid<'_>, c_errors: &CErrors) -> Vec<FoundValue> {
 /// Components of the turning axis that the map shows.
 fn of_turning(grid: &Grid<'_>) -> Vec<Component> {
     components(grid.turning).into_iter().filter(|(name, ..)| !is_about_itself(name)).collect()
+}
+
+/// What else makes a significant wave of the shift along the turning axis once a turn: one nest position that is off the other by d across the axis, the
+/// same at all angles in the axes of what carries it, as passes and drift leave it. The line between the nest positions then leans by d/Δz, and
+/// the lean moves a nest at the radius ρ by d ρ/Δz along the axis (S1 eq. 16–22). The scatter from angle to angle, in u, knows nothing of d.
+fn or_between_nests(grid: &Grid<'_>, name: &str, of: &Harmonics) -> String {
+    let along = grid.turning.index() % 3;
+    let is_shift_along = components(grid.turning)[along].0 == name;
+    let Some(once) = of.order(1).filter(|once| is_shift_along && once.significant) else {
+        return String::new();
+    };
+    let cells = grid.cells.iter().flatten().flatten().flatten();
+    let arms: Vec<Vector3<f64>> = cells
+        .map(|cell| {
+            let arm_mm = cell.nest_in_machine_mm - cell.turning.origin_in_machine_mm;
+            cell.turning.machine_from_carrier.inverse() * arm_mm
+        })
+        .collect();
+    let heights = || arms.iter().map(|arm| arm[along]);
+    let apart_mm = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
+    let radii = arms.iter().map(|arm| (arm.norm_squared() - arm[along].powi(2)).max(0.0).sqrt());
+    let radius_mm = radii.sum::<f64>() / arms.len().max(1) as f64;
+    let off_um = um_from_mm(once.amplitude * apart_mm / radius_mm.max(f64::MIN_POSITIVE));
+    format!(
+        "; once a turn, or one nest position off the other by {} across {}, as passes and drift leave it, which u does not hold: `diagnose` weighs both",
+        um(off_um),
+        grid.turning
+    )
 }
 
 /// What each step leaves of the readings, rms per component.
