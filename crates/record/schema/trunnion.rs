@@ -160,7 +160,6 @@ pub struct Point {
     pub quality: ::prost::alloc::string::String,
     #[prost(uint32, tag = "15")]
     pub target: u32,
-    /// of no-reading: dwell, value, end; empty where nobody says it
     #[prost(string, tag = "16")]
     pub lacks: ::prost::alloc::string::String,
 }
