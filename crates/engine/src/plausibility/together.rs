@@ -136,7 +136,7 @@ fn of_two_machines(known: &[Known<'_>]) -> Option<How> {
         && all_differ
         && differ_um > BEYOND_DAYS_UM
         && differ_um.powi(2) > INDEPENDENT * sizes_um.powi(2);
-    is_unlike.then(|| How::OfTwoMachines { count: known.len(), differ_um })
+    is_unlike.then_some(How::OfTwoMachines { count: known.len(), differ_um })
 }
 
 fn corrected(runs: [&Run; 2], fits: [&Identification; 2], lever_mm: f64) -> Option<Implausible> {
