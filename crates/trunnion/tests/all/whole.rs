@@ -61,7 +61,7 @@ impl Recorded {
 }
 
 fn only_first(n: usize) -> impl Fn(usize, &State) -> Option<Quality> {
-    move |k, _| Some(if k < n { Quality::Good } else { Quality::NoReading })
+    move |k, _| Some(if k < n { Quality::Good } else { Quality::NoReading(Lacks::Value) })
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn what_is_missing_decides_and_not_how_much() {
         assert!(doubts.iter().all(|doubt| doubt.question == Question::Whole), "{doubts:?}");
         doubts.is_empty()
     };
-    let keep = |kept: bool| Some(if kept { Quality::Good } else { Quality::NoReading });
+    let keep = |kept: bool| Some(if kept { Quality::Good } else { Quality::NoReading(Lacks::Value) });
     // Half of the points of every place.
     assert!(judged(&|k, _| keep(k % 2 == 0)));
     // More than half, but of one position of B alone.
@@ -150,8 +150,9 @@ fn what_is_missing_decides_and_not_how_much() {
 #[test]
 fn parts_of_one_cycle_are_judged_together() {
     let first = Recorded::new(&seventy_two(), only_first(60));
-    let second =
-        Recorded::new(&seventy_two(), |k, _| Some(if k >= 60 { Quality::Good } else { Quality::NoReading }));
+    let second = Recorded::new(&seventy_two(), |k, _| {
+        Some(if k >= 60 { Quality::Good } else { Quality::NoReading(Lacks::Value) })
+    });
     let check = |paths: &[&PathBuf]| trunnion::open_all(paths).unwrap().check();
     assert_eq!(check(&[&first.path]).plausibility.len(), 1);
     let both = check(&[&first.path, &second.path]);
