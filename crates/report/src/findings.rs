@@ -158,11 +158,12 @@ mod tests {
 
     #[test]
     fn where_nothing_but_the_summary_is_significant_it_is_the_verdict() {
-        let mut found = Findings::default();
-        found.values = vec![
-            FoundValue { note: "accuracy".into(), ..value("X A", ValueKind::Summary, 6.94, Some(0.4)) },
+        let accuracy = value("X A", ValueKind::Summary, 6.94, Some(0.4));
+        let values = vec![
+            FoundValue { note: "accuracy".into(), ..accuracy },
             value("X mean reversal", ValueKind::Error, 0.05, Some(0.06)),
         ];
+        let mut found = Findings { values, ..Findings::default() };
         assert_eq!(
             verdict(&found),
             ["Accuracy: 6.94 µm (X A).", "0 of 1 errors with an uncertainty are larger than 2 u."]
