@@ -66,6 +66,15 @@ impl Language {
         Some(items?.join(self.marks()[0]))
     }
 
+    /// A list of which some items have an entry. An English sentence with a semicolon of its own is none.
+    fn by_some_items(self, english: &str) -> Option<String> {
+        let said: Vec<Option<String>> = english.split("; ").map(|item| self.say(item)).collect();
+        said.iter().any(Option::is_some).then(|| {
+            let items = english.split("; ").zip(said).map(|(item, said)| said.unwrap_or_else(|| item.into()));
+            items.collect::<Vec<_>>().join(self.marks()[0])
+        })
+    }
+
     /// Labels in a row, `Y, B 60° and above, both setups:`: each has an entry, or is a name.
     fn by_parts(self, english: &str) -> Option<String> {
         let (row, is_label) = english.strip_suffix(':').map_or((english, false), |row| (row, true));
@@ -97,9 +106,7 @@ impl Language {
         for (i, part) in entry[self as usize].split(HOLE).enumerate() {
             if i > 0 {
                 let held = held.next().unwrap_or_default();
-                // A sentence may have a semicolon of its own; else they part the items of a list.
-                let items = || held.split("; ").map(|item| self.say(item).unwrap_or_else(|| item.into()));
-                text += &self.say(held).unwrap_or_else(|| items().collect::<Vec<_>>().join(self.marks()[0]));
+                text += &self.say(held).or_else(|| self.by_some_items(held)).unwrap_or_else(|| held.into());
             }
             text += part;
         }
@@ -203,6 +210,8 @@ mod tests {
         ] {
             assert_eq!([list, place].map(|text| language.say(text)), said.map(|text| Some(text.to_string())));
         }
+        let english = "Likely cause: Wear; nothing else.";
+        assert_eq!(Language::Japanese.say(english).as_deref(), Some("推定される原因：Wear; nothing else."));
         let effect = "Sag of the tilting frame under its own weight (gravity-sag:B)";
         assert_eq!(
             Language::German.say(effect).as_deref(),
