@@ -25,7 +25,7 @@ def story_of_one_run(browser, folder):
         heads = tab.page.locator("#view h2").all_inner_texts()
         places = [next((k for k, head in enumerate(heads) if head.startswith(part)), None) for part in order]
         check("the result has its parts in order", None not in places and places == sorted(places), heads)
-        tab.guide("result")
+        tab.guide("result", height=800)
         together(tab)
 
         # By mouse, without a name first.
