@@ -6,16 +6,18 @@
 //! Limits: what a day changes, and errors of angles that move the ball less than that. Poses that share no location error show nothing; fitted together
 //! they invent nothing either.
 
-use super::exchanged::{AS_GOOD, BELIEVED, of_an_axis_mm};
+use super::exchanged::{AS_GOOD, BELIEVED};
 use super::fitted::{Fitted, columns};
 use super::looked::Looked;
 use super::readings::FEWEST_POINTS;
-use super::together::{BEYOND_DAYS_UM, DAYS_K};
 use crate::Experiment;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::statistics::mean;
 use trunnion_cycles::Run;
 
+/// Smaller differences of location errors are those of days: so many K move the end of half a metre of steel by 12 µm.
+pub(super) const BEYOND_DAYS_UM: f64 = 12.0;
+const DAYS_K: f64 = 2.0;
 /// Readings of a ball that a line of an axis carries elsewhere by the change of a day: a turn of the table shares it between two of three
 /// components, and the setting takes up what does not turn. √(2/2)/√3 of it, root mean square over the three.
 const OF_READINGS: f64 = 0.577;
@@ -49,7 +51,7 @@ pub(super) fn changed(runs: [&Run; 2]) -> Option<Left> {
     let days = (warmer_k(runs) / DAYS_K).max(1.0);
     let is_changed = made_um > OF_READINGS * BEYOND_DAYS_UM * days
         && together_mm > BELIEVED * apart_mm
-        && of_an_axis_mm(&experiment, &model) > AS_GOOD * apart_mm;
+        && model.rms_with_an_axis_mm(&experiment) > AS_GOOD * apart_mm;
     is_changed.then(|| Left { together_um: um_from_mm(together_mm), apart_um: um_from_mm(apart_mm) })
 }
 

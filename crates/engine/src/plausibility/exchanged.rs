@@ -14,8 +14,6 @@ mod turning;
 mod unsettled;
 mod unsigned;
 
-pub(super) use physics::of_an_axis_mm;
-
 use super::fitted::{Fitted, Tried};
 use super::found::Implausible;
 use super::looked::Looked;

@@ -4,7 +4,7 @@ use crate::Experiment;
 use crate::evidence::{joined, orthonormal};
 use crate::solve::linear::Reduced;
 use nalgebra::{DMatrix, DVector};
-use trunnion_effects::{Instance, Model};
+use trunnion_effects::{Instance, Model, Role, Subject};
 
 /// Relative singular value of a direction that the columns do not see.
 const UNSEEN: f64 = 1e-6;
@@ -116,7 +116,23 @@ impl Fitted {
         rms(&(&left_mm - &new * new.tr_mul(&left_mm)))
     }
 
-    /// The same, rms.
+    /// The least of these with one more error of one axis, mm. Errors with shape numbers are not tried.
+    pub fn rms_with_an_axis_mm(&self, experiment: &Experiment) -> f64 {
+        let scene = &experiment.scene;
+        let is_of_axis = |instance: &Instance| {
+            instance.subject() != Subject::Whole
+                && !matches!(instance.role(), Role::Setting | Role::Description)
+        };
+        let can_be = |instance: &Instance| {
+            !instance.parameters(scene).is_empty() && instance.shapes(scene).names.is_empty()
+        };
+        let readings_mm = experiment.readings_mm();
+        let left = |instance: Instance| self.rms_with_mm(&experiment.columns(&instance, &[]), &readings_mm);
+        let all = Instance::all(experiment.machine()).into_iter();
+        all.filter(is_of_axis).filter(can_be).map(left).fold(f64::INFINITY, f64::min)
+    }
+
+    /// What it leaves, rms, mm.
     pub fn rms_mm(&self, readings_mm: &DVector<f64>) -> f64 {
         rms(&self.left_mm(readings_mm))
     }

@@ -6,7 +6,7 @@
 //! Limits: a correction that left more than a quarter, or of fewer errors, looks like one day and the next. Runs as unlike as those of two machines are
 //! said to be so and judged all the same: a machine may have changed so far.
 
-use super::changed::{Left, changed};
+use super::changed::{BEYOND_DAYS_UM, Left, changed};
 use super::found::{Implausible, plain};
 use crate::fit::Options;
 use crate::{Experiment, HeldOut, Identification, identify};
@@ -29,9 +29,6 @@ const NEEDED_UM: f64 = super::exchanged::GROSS_UM;
 const INDEPENDENT: f64 = 0.5;
 /// Each of them differs by so many standard uncertainties: one in 16 000 of equal ones does [normal distribution].
 const SURE: f64 = 4.0;
-/// Smaller differences are those of days: 2 K move the end of half a metre of steel by 12 µm.
-pub(super) const BEYOND_DAYS_UM: f64 = 12.0;
-pub(super) const DAYS_K: f64 = 2.0;
 
 pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     of_neighbours(runs, corrected)

@@ -5,10 +5,8 @@
 //! then on, some of which imitate it where the table turns: rows of another day have others, which no slip imitates.
 
 use super::Trial;
-use crate::Experiment;
-use crate::plausibility::fitted::Fitted;
 use trunnion_core::State;
-use trunnion_effects::{Instance, Role, Subject};
+use trunnion_effects::Instance;
 
 /// The effect.
 const SLIP: &str = "setup-slip";
@@ -18,7 +16,7 @@ const TRIED_AT_ONCE: usize = 100;
 impl Trial<'_> {
     /// The least that the base model leaves with one more effect of the catalogue, mm rms.
     pub(super) fn of_an_effect_mm(&self) -> f64 {
-        of_an_axis_mm(self.experiment, self.model).min(self.of_a_slip_mm())
+        self.model.rms_with_an_axis_mm(self.experiment).min(self.of_a_slip_mm())
     }
 
     /// With one slip of the ball or nest on the table, at whatever point; infinite without times.
@@ -42,19 +40,4 @@ impl Trial<'_> {
             .and_then(|(at, _)| least(at.saturating_sub(every).max(1), (at + every).min(points.len()), 1));
         near.map_or(f64::INFINITY, |(_, left_mm)| left_mm)
     }
-}
-
-/// The least that the base model leaves with one more error of one axis, mm rms. Errors with shape numbers are not tried.
-pub(in crate::plausibility) fn of_an_axis_mm(experiment: &Experiment, model: &Fitted) -> f64 {
-    let scene = &experiment.scene;
-    let is_of_axis = |instance: &Instance| {
-        instance.subject() != Subject::Whole && !matches!(instance.role(), Role::Setting | Role::Description)
-    };
-    let can_be = |instance: &Instance| {
-        !instance.parameters(scene).is_empty() && instance.shapes(scene).names.is_empty()
-    };
-    let readings_mm = experiment.readings_mm();
-    let left = |instance: Instance| model.rms_with_mm(&experiment.columns(&instance, &[]), &readings_mm);
-    let all = Instance::all(experiment.machine()).into_iter();
-    all.filter(is_of_axis).filter(can_be).map(left).fold(f64::INFINITY, f64::min)
 }

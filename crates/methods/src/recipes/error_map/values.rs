@@ -154,7 +154,7 @@ fn or_between_nests(grid: &Grid<'_>, name: &str, of: &Harmonics) -> String {
     let radius_mm = radii.sum::<f64>() / arms.len().max(1) as f64;
     let off_um = um_from_mm(once.amplitude * apart_mm / radius_mm.max(f64::MIN_POSITIVE));
     format!(
-        "; once a turn, or one nest position off the other by {} across {}, as passes and drift leave it, which u does not hold: `diagnose` weighs both",
+        "; once a turn, or one nest position off the other by {} across {}, as passes and drift leave it, which u does not hold: `diagnose` judges both",
         um(off_um),
         grid.turning
     )
