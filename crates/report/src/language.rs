@@ -212,10 +212,10 @@ mod tests {
         }
         let english = "Likely cause: Wear; nothing else.";
         assert_eq!(Language::Japanese.say(english).as_deref(), Some("推定される原因：Wear; nothing else."));
-        let effect = "Sag of the tilting frame under its own weight (gravity-sag:B)";
+        let effect = "Sag of the tilting frame or head under its own weight (gravity-sag:B)";
         assert_eq!(
             Language::German.say(effect).as_deref(),
-            Some("Durchbiegung des Schwenkrahmens unter Eigengewicht (gravity-sag:B)")
+            Some("Durchbiegung des Schwenkrahmens oder Schwenkkopfs unter Eigengewicht (gravity-sag:B)")
         );
     }
 
