@@ -40,20 +40,48 @@ pub(crate) struct Preferred<'a> {
 
 impl Preferred<'_> {
     pub const NONE: Self = Self { columns: &[], of_usual: &[], most: 1.0 };
+
+    /// The most that the zero of a pivot asks of another that takes part, times its usual size for each of the pivot's.
+    fn asks(&self, row: &Row) -> f64 {
+        let asked = row.others().into_iter().map(|k| row.part[k].abs() * self.of_usual[k]);
+        asked.fold(0.0, f64::max) / self.of_usual[row.pivot]
+    }
 }
 
 /// Reduced row echelon form of orthonormal rows; pivots from `preferred` in this order while they take part, then the largest entries
 /// of the columns `first` while they take part, then of all those that are large the one that counts most. `least`: the shares of a row
 /// of length 1 from which each column takes part in it; an entry below is zero.
+///
+/// What a zero asks of others is read from the reduced rows, which depend on the pivots alone: rows that are not reduced are any basis of the null
+/// space. The one that asks most comes last, and all is reduced again, until none asks too much or all of those that do came last.
 pub(crate) fn echelon(
-    mut rows: DMatrix<f64>,
+    rows: DMatrix<f64>,
     preferred: &Preferred<'_>,
     first: &[usize],
     counts: &[f64],
     least: &dyn Fn(&RowDVector<f64>) -> Vec<f64>,
 ) -> Vec<Row> {
+    let (mut before, mut last) = (preferred.columns.to_vec(), Vec::new());
+    loop {
+        let columns = [before.as_slice(), last.as_slice()].concat();
+        let reduced = reduced(rows.clone(), &columns, first, counts, least);
+        let asking = reduced.iter().filter(|row| before.contains(&row.pivot));
+        let most = asking.max_by(|a, b| preferred.asks(a).total_cmp(&preferred.asks(b)));
+        let Some(most) = most.filter(|row| preferred.asks(row) > preferred.most) else { return reduced };
+        before.retain(|column| *column != most.pivot);
+        last.push(most.pivot);
+    }
+}
+
+fn reduced(
+    mut rows: DMatrix<f64>,
+    preferred: &[usize],
+    first: &[usize],
+    counts: &[f64],
+    least: &dyn Fn(&RowDVector<f64>) -> Vec<f64>,
+) -> Vec<Row> {
     let mut pivots = Vec::new();
-    let mut waiting: Vec<usize> = preferred.columns.to_vec();
+    let mut waiting: Vec<usize> = preferred.to_vec();
     while pivots.len() < rows.nrows() {
         let below = pivots.len();
         let part = taking_part(&rows.rows(below, rows.nrows() - below).into_owned(), least);
@@ -64,13 +92,7 @@ pub(crate) fn echelon(
             let cells = (below..rows.nrows()).map(|i| (i, column)).filter(takes_part);
             cells.max_by(|a, b| size(a).total_cmp(&size(b)))
         };
-        let in_usual = |i: usize, j: usize| rows[(i, j)].abs() * preferred.of_usual[j];
-        let asks_little = |&(i, column): &(usize, usize)| {
-            let asked = (0..rows.ncols()).map(|j| in_usual(i, j)).fold(0.0, f64::max);
-            asked <= preferred.most * in_usual(i, column)
-        };
-        let of_waiting = || waiting.iter().filter_map(|&column| largest_in(column));
-        let chosen = of_waiting().find(asks_little).or_else(|| of_waiting().next());
+        let chosen = waiting.iter().find_map(|&column| largest_in(column));
         waiting.retain(|&column| chosen.is_none_or(|(_, chosen)| chosen != column));
         let among_first = || {
             let cells = first.iter().filter_map(|&column| largest_in(column));

@@ -1,7 +1,9 @@
 //! A folder of the program with what was worked out, a file each: `DIGEST.kept`, the digest of what it is of.
 //!
-//!     DIGEST of what it is of, SHA-256 of the text
-//!     text
+//! ```text
+//! DIGEST of what it is of, SHA-256 of the text
+//! text
+//! ```
 //!
 //! A file that is cut, damaged or of something else is none. Nothing is synced to the disk: a file that a power cut damages is none either.
 
