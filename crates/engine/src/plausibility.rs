@@ -35,7 +35,7 @@ mod together;
 mod travel;
 mod ways;
 
-pub use changed::Left;
+pub use changed::Remainders;
 pub use clock::{ClockDoubt, clock_doubt};
 pub use found::Implausible;
 pub use readings::FEWEST_POINTS;

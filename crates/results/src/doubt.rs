@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use trunnion_core::number::{fixed, signed};
 use trunnion_engine::fit::doubts as engine;
-use trunnion_engine::plausibility::{ClockDoubt, Differs, How, Left, Rounded, Unlike};
+use trunnion_engine::plausibility::{ClockDoubt, Differs, How, Remainders, Rounded, Unlike};
 
 /// Numbers of a fit to doubt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -106,7 +106,7 @@ impl Doubt {
                  the ball{most}. Are both of one machine, in one state? Fit them one by one: what is fitted to both may hold for neither.",
                 fixed(*differ_um, 1)
             ),
-            How::Changed(Left { together_um, apart_um }) => format!(
+            How::Changed(Remainders { together_um, apart_um }) => format!(
                 "the machine changed between the runs {a} and {b}: with common location errors they leave {} rms, with their own {}{most}. Was \
                  something corrected, repaired or hit, or did the machine warm up? Fit them one by one, and see with `trunnion history` what \
                  changed: causes found in both together may be invented.",

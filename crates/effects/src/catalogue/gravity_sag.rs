@@ -119,12 +119,15 @@ mod tests {
     use trunnion_core::Joint;
     use trunnion_machine::shipped;
 
-    /// Along machine Z the frame is lower lying than upright where it gives way more lying.
+    /// Along machine Z the frame, or the head, is lower lying than upright where it gives way more lying.
     #[test]
     fn the_sign_says_in_which_position_the_frame_gives_way_more() {
-        for (machine, id, axis) in
-            [("table-bc", "gravity-sag:B", Joint::B), ("table-ac", "gravity-sag:A", Joint::A)]
-        {
+        for (machine, id, axis, which) in [
+            ("table-bc", "gravity-sag:B", Joint::B, FRAME),
+            ("table-ac", "gravity-sag:A", Joint::A, FRAME),
+            ("head-bc", "gravity-sag:B", Joint::B, HEAD),
+            ("head-a-table-c", "gravity-sag:A", Joint::A, HEAD),
+        ] {
             let machine = shipped::machine(machine).unwrap();
             let mut state = State::default();
             state.position[axis] = std::f64::consts::FRAC_PI_2;
@@ -136,7 +139,7 @@ mod tests {
             instance.motions(&scene, &[], &state, &mut |i, _, twist| {
                 lower -= if i == 0 { twist.translation_mm.z } else { 0.0 };
             });
-            assert_eq!(anisotropy.meaning.unwrap()[0], FRAME[usize::from(lower > 0.0)], "{id}: {lower}");
+            assert_eq!(anisotropy.meaning.unwrap()[0], which[usize::from(lower > 0.0)], "{id}: {lower}");
         }
     }
 

@@ -18,13 +18,13 @@ use trunnion_cycles::Run;
 /// Smaller differences of location errors are those of days: so many K move the end of half a metre of steel by 12 µm.
 pub(super) const BEYOND_DAYS_UM: f64 = 12.0;
 const DAYS_K: f64 = 2.0;
-/// Readings of a ball that a line of an axis carries elsewhere by the change of a day: a turn of the table shares it between two of three
-/// components, and the setting takes up what does not turn. √(2/2)/√3 of it, root mean square over the three.
+/// What a line of an axis that lies elsewhere makes of readings, root mean square over their three components: as far as it lies, shared between
+/// two of them by the turning table. 1/√3; the setting takes up what does not turn.
 const OF_READINGS: f64 = 0.577;
 
 /// What the base model leaves of two runs, µm rms.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Left {
+pub struct Remainders {
     /// With location errors in common.
     pub together_um: f64,
     /// With those of each run.
@@ -32,7 +32,7 @@ pub struct Left {
 }
 
 /// Two runs that have no location errors in common; `None` where they have, or where one error of an axis explains as much.
-pub(super) fn changed(runs: [&Run; 2]) -> Option<Left> {
+pub(super) fn changed(runs: [&Run; 2]) -> Option<Remainders> {
     let looked = runs.map(Looked::at);
     let [Some(first), Some(second)] = &looked else { return None };
     if [first, second].iter().any(|looked| looked.run.points.len() < FEWEST_POINTS) {
@@ -52,7 +52,7 @@ pub(super) fn changed(runs: [&Run; 2]) -> Option<Left> {
     let is_changed = made_um > OF_READINGS * BEYOND_DAYS_UM * days
         && together_mm > BELIEVED * apart_mm
         && model.rms_with_an_axis_mm(&experiment) > AS_GOOD * apart_mm;
-    is_changed.then(|| Left { together_um: um_from_mm(together_mm), apart_um: um_from_mm(apart_mm) })
+    is_changed.then(|| Remainders { together_um: um_from_mm(together_mm), apart_um: um_from_mm(apart_mm) })
 }
 
 /// By how much a temperature that both runs know differs between them, the most of them, K.

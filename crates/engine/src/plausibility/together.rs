@@ -6,7 +6,7 @@
 //! Limits: a correction that left more than a quarter, or of fewer errors, looks like one day and the next. Runs as unlike as those of two machines are
 //! said to be so and judged all the same: a machine may have changed so far.
 
-use super::changed::{BEYOND_DAYS_UM, Left, changed};
+use super::changed::{BEYOND_DAYS_UM, Remainders, changed};
 use super::found::{Implausible, plain};
 use crate::fit::Options;
 use crate::{Experiment, HeldOut, Identification, identify};
@@ -56,7 +56,7 @@ pub enum How {
         differ_um: f64,
     },
     /// Each has its own, and they have none in common.
-    Changed(Left),
+    Changed(Remainders),
 }
 
 /// A location error with its value in each of two runs.

@@ -7,7 +7,7 @@ use trunnion_results::{Doubt, DoubtReason};
 fn doubts_of(reason: DoubtReason) -> Vec<Doubt> {
     use trunnion_core::axis::iso::C;
     use trunnion_engine::fit::doubts::{Doubt as Found, DoubtReason as Why};
-    use trunnion_engine::plausibility::{ClockDoubt, Differs, How, Left, Rounded, RoundedWhat, Unlike};
+    use trunnion_engine::plausibility::{ClockDoubt, Differs, How, Remainders, Rounded, RoundedWhat, Unlike};
     let found =
         |reason| vec![Doubt::from(&Found { effect: None, names: vec!["a".into(), "b".into()], reason })];
     let rounded = |given: &str, what| {
@@ -45,7 +45,7 @@ fn doubts_of(reason: DoubtReason) -> Vec<Doubt> {
         DoubtReason::UnlikeRuns => {
             let most =
                 || Some(Differs { name: "EZ0B".into(), shown: ["−30.8 µm".into(), "+11.3 µm".into()] });
-            let changed = How::Changed(Left { together_um: 23.5, apart_um: 0.41 });
+            let changed = How::Changed(Remainders { together_um: 23.5, apart_um: 0.41 });
             let all = [
                 (How::OfTwoMachines { count: 8, differ_um: 19.8 }, most()),
                 (changed, most()),
