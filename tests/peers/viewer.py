@@ -148,7 +148,7 @@ def live(folder):
     """A recording of the service: the machine moves between the points, and things happen."""
     trunnion("demo", "--static-only", "--hidden", "gravity-sag:B", "--seed", "7", "--output", folder / "demo", "--json")
     whole = folder / "demo/static.mcap"
-    trunnion("export", "foxglove", whole, "--model", folder / "demo/model.toml", "--magnification", 700, "-o", folder / "live.mcap")
+    trunnion("export", "foxglove", whole, "--model", folder / "demo/static.model.toml", "--magnification", 700, "-o", folder / "live.mcap")
     messages = read(folder / "live.mcap")
     layout(folder / "live.layout.json", set(messages))
     worst, transforms = 0.0, iter(messages["/tf"])
