@@ -68,8 +68,8 @@ const FRAME: [&str; 2] = [
     "the frame gives way more lying on its side than upright",
 ];
 const HEAD: [&str; 2] = [
-    "the head gives way more upright than lying on its side",
-    "the head gives way more lying on its side than upright",
+    "the head or arm gives way more upright than lying on its side",
+    "the head or arm gives way more lying on its side than upright",
 ];
 
 fn parameters(scene: &Scene, subject: Subject) -> Vec<Parameter> {
