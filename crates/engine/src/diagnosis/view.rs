@@ -81,6 +81,8 @@ pub struct View {
     pub named: Vec<OnGrid>,
     /// AᵀPA of everything named, one for each shape.
     pub grams: Vec<DMatrix<f64>>,
+    /// Noises that were learned with some columns, this one last: with others in the model the noise may be near any of them.
+    near: Vec<Arc<Sigma>>,
 }
 
 /// The noise learned with some columns in the model.
@@ -94,14 +96,14 @@ pub struct Relearned {
 }
 
 impl View {
-    /// `start`: a noise near by.
-    pub fn of(scan: &Scan<'_>, chosen: DMatrix<f64>, start: &Arc<Sigma>) -> Option<Self> {
+    /// `near`: noises that may be near by.
+    pub fn of(scan: &Scan<'_>, chosen: DMatrix<f64>, mut near: Vec<Arc<Sigma>>) -> Option<Self> {
         let readings = scan.readings();
         let basis = orthonormal(&joined(&scan.remainder.base, &chosen)).cast::<Real>();
         let null = if chosen.ncols() == 0 {
             scan.first.clone()
         } else {
-            readings.learn(&basis, start.clone(), Effort::AGAIN)?
+            readings.learn(&basis, &near, Effort::AGAIN)?
         };
         let mut x = null.x().to_vec();
         for (x, mean) in x[1..].iter_mut().zip(scan.remainder.kernels.means()) {
@@ -112,7 +114,8 @@ impl View {
         let mut grams = parallel(at.len(), |i| at[i].grams(&scan.columns, &scan.widths));
         let [at_null, at_quiet] = [0, 1].map(|i| weigh_grams(at[i], &scan.columns, &grams[i]));
         let named = on_grid(scan, &basis, &at_null, &at_quiet);
-        Some(Self { chosen, basis, null, quiet, named, grams: grams.swap_remove(0) })
+        near.push(null.here.sigma.clone());
+        Some(Self { chosen, basis, null, quiet, named, grams: grams.swap_remove(0), near })
     }
 
     /// ln Bayes factor of turned columns at the learned noise or in a quiet one, whichever is larger.
@@ -125,7 +128,7 @@ impl View {
         let readings = scan.readings();
         let all = joined(&joined(&scan.remainder.base, &self.chosen), columns);
         let basis = orthonormal(&all).cast::<Real>();
-        let mode = readings.learn(&basis, self.null.here.sigma.clone(), Effort::AGAIN)?;
+        let mode = readings.learn(&basis, &self.near, Effort::AGAIN)?;
         let alone = Projected::new(mode.here.sigma.clone(), &scan.remainder.y, &self.basis)?;
         let offset_ln = readings.posterior(&alone) - 0.5 * mode.log_information - self.null.evidence();
         Some(Relearned { mode, alone, offset_ln })

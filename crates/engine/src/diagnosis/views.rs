@@ -23,12 +23,16 @@ pub struct Seen {
 }
 
 impl Views {
-    /// The readings with columns in the model. `start`: a noise near by, where none was learned with these columns before.
+    /// The readings with columns in the model. `start`: a noise near by; where none was learned with these columns before, it is learned from
+    /// there or from whichever of the others comes nearer.
     pub fn of(&self, scan: &Scan<'_>, chosen: DMatrix<f64>, start: &Arc<Sigma>) -> Option<Rc<Seen>> {
         if let Some(seen) = self.0.borrow().iter().find(|seen| seen.chosen == chosen) {
             return Some(seen.clone());
         }
-        let view = View::of(scan, chosen, start)?;
+        let others = self.0.borrow().iter().map(|seen| seen.null.here.sigma.clone()).collect::<Vec<_>>();
+        let is_other = |sigma: &Arc<Sigma>| !Arc::ptr_eq(sigma, start);
+        let near = others.into_iter().filter(is_other).chain([start.clone()]).collect();
+        let view = View::of(scan, chosen, near)?;
         let seen = Rc::new(Seen { view, scored: RefCell::default() });
         self.0.borrow_mut().push(seen.clone());
         Some(seen)

@@ -100,12 +100,16 @@ impl Readings<'_> {
         here.likelihood - 0.5 * off
     }
 
-    /// Climbs from `start` to the mode; `basis`: orthonormal columns X. `None` where no Σ can be formed.
-    pub fn learn(&self, basis: &DMatrix<Real>, start: Arc<Sigma>, effort: Effort) -> Option<Mode> {
-        let start =
-            if start.x[0] < self.least_ln { self.sigma(&self.shown(start.x.clone()))? } else { start };
-        let mut here = Projected::new(start, self.y, basis)?;
-        let mut posterior = self.posterior(&here);
+    /// Climbs to the mode from the best of `starts`; `basis`: orthonormal columns X. `None` where no Σ can be formed.
+    pub fn learn(&self, basis: &DMatrix<Real>, starts: &[Arc<Sigma>], effort: Effort) -> Option<Mode> {
+        let projected = |start: &Arc<Sigma>| {
+            let is_shown = start.x[0] >= self.least_ln;
+            let start = if is_shown { start.clone() } else { self.sigma(&self.shown(start.x.clone()))? };
+            let here = Projected::new(start, self.y, basis)?;
+            Some((self.posterior(&here), here))
+        };
+        let starts = starts.iter().filter_map(projected);
+        let (mut posterior, mut here) = starts.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let (mut gradient, mut information, mut traces) = self.slope(&here, basis.ncols());
         for _ in 0..effort.steps {
             let Some(mut step) = self.newton_step(&here, &gradient, &information) else { break };

@@ -178,7 +178,7 @@ impl<'a> Remainder<'a> {
         let some = kernels.on(&chosen);
         let (y, white) = (self.y.select_rows(&rows), white.select_rows(&rows));
         let readings = Readings { kernels: &some, y: &y, white: &white, least_ln: self.least_ln };
-        let mode = readings.sigma(&x).and_then(|start| readings.learn(&basis, start, Effort::FULL));
+        let mode = readings.sigma(&x).and_then(|start| readings.learn(&basis, &[start], Effort::FULL));
         mode.map_or(x, |mode| mode.x().to_vec())
     }
 
@@ -189,7 +189,7 @@ impl<'a> Remainder<'a> {
 
     fn mode(&self, white: &DVector<f64>, x: &[f64], effort: Effort) -> Option<Mode> {
         let readings = self.readings(white);
-        readings.learn(&self.basis, readings.sigma(x)?, effort)
+        readings.learn(&self.basis, &[readings.sigma(x)?], effort)
     }
 }
 

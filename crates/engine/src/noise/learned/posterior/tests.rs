@@ -105,7 +105,7 @@ fn sizes_of_kernels_that_resemble_each_other_are_drawn_as_they_are_distributed()
         let white = DVector::from_element(POINTS, 1.0);
         let readings = Readings { kernels: &kernels, y: &y, white: &white, least_ln: -9.0 };
         let first: Vec<f64> = std::iter::once(0.0).chain(kernels.means()).collect();
-        let mode = readings.learn(&basis, readings.sigma(&first).unwrap(), Effort::FULL).unwrap();
+        let mode = readings.learn(&basis, &[readings.sigma(&first).unwrap()], Effort::FULL).unwrap();
         let exact = exact(&readings, &basis, &mode);
         let draws = draws(&mode, &mode.here.precision(), &kernels, &y);
         let drawn =
