@@ -23,7 +23,7 @@ pub(crate) mod taken;
 
 use crate::fit::identification::Identification;
 use crate::fit::identify_sharing;
-use crate::fit::options::{IdentifyError, Options};
+use crate::fit::options::{IdentifyError, Options, Uncertainties};
 use crate::problem::experiment::Experiment;
 use crate::problem::known::KnownFits;
 use credible::credible_columns;
@@ -97,9 +97,26 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// As [`crate::identify`].
     pub fn with(&self, added: &[ModelEffect]) -> Result<Self, IdentifyError> {
+        Self::of_model(self.experiment, self.larger(added), Some(&self.fit), self.known)
+    }
+
+    /// The fit of [`Problem::with`] where only its values and errors are asked for: uncertainties take most of the time.
+    pub(crate) fn without_uncertainties(
+        &self,
+        added: &[ModelEffect],
+    ) -> Result<Identification, IdentifyError> {
+        let model = self.larger(added);
+        if let Some(fit) = self.known.and_then(|known| known.fit(&model)) {
+            return Ok(fit);
+        }
+        let options = Options { uncertainties: Uncertainties::Clusters, ..Options::default() };
+        identify_sharing(self.experiment, &model, &options, Some(&self.fit))
+    }
+
+    fn larger(&self, added: &[ModelEffect]) -> Model {
         let mut model = self.model().clone();
         model.effects.extend_from_slice(added);
-        Self::of_model(self.experiment, model, Some(&self.fit), self.known)
+        model
     }
 
     /// Columns of the free parameters of the model at the shapes fitted, of points of the same scene; rows × columns.

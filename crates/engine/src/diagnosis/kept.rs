@@ -1,7 +1,7 @@
 //! What a search kept, as additions to the model: the fits with each of it and with all, and what they say against a name.
 
 use crate::diagnosis::entries::entries;
-use crate::diagnosis::refits::{Explained, Refit, Unfitted, refits};
+use crate::diagnosis::refits::{Errors, Explained, Refit, Unfitted, errors, refits};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::Found;
 use crate::diagnosis::view::{Item, What};
@@ -18,7 +18,7 @@ pub struct Refits {
     /// Whether everything found is the first of the candidates.
     only: bool,
     /// With everything but one of the names, where that is more than one thing.
-    but: Vec<(usize, Refit)>,
+    but: Vec<(usize, Errors)>,
     /// Those that failed.
     pub unfitted: Vec<Unfitted>,
 }
@@ -63,13 +63,12 @@ impl<'a> Kept<'a> {
         let (with_formula, with_set) = (formula.is_some(), set.is_some());
         additions.extend(formula);
         additions.extend(set);
+        let fits = refits(self.problem, additions);
         // Of two things each is fitted alone anyhow.
         let names: Vec<usize> = if self.found.items.len() > 2 { self.names().collect() } else { Vec::new() };
-        additions.extend(names.iter().map(|group| self.set_as_added(Some(*group))));
-        let mut fits = refits(self.problem, additions);
-        let of_names = fits.split_off(fits.len() - names.len());
-        let but =
-            names.into_iter().zip(of_names).filter_map(|(group, refit)| Some((group, refit.ok()?))).collect();
+        let but: Vec<_> = names.iter().map(|group| self.set_as_added(Some(*group))).collect();
+        let of_names = names.into_iter().zip(errors(self.problem, &but));
+        let but = of_names.filter_map(|(group, errors)| Some((group, errors?))).collect();
         let mut unfitted = Vec::new();
         let fitted = |refit: Result<Refit, Unfitted>| refit.map_err(|failed| unfitted.push(failed)).ok();
         let mut candidates: Vec<_> = fits.into_iter().map(fitted).collect();
@@ -81,26 +80,22 @@ impl<'a> Kept<'a> {
     }
 
     /// The last of the names with which the model, as a person adds it, is no better than with the others that were found: the veto of
-    /// what was not seen (docs/design/statistics.md §5). Better is smaller in the fit, and on what is left out of it where anything can be.
+    /// what was not seen (docs/design/statistics.md §5).
     pub fn predicts_nothing(&self, listed: &[(usize, Item)], refits: &Refits) -> Option<String> {
-        let with = refits.set.as_ref()?;
+        let with = refits.set.as_ref()?.errors();
         let alone = |other: &Item| match other.what {
-            What::Open(_) => refits.formula.as_ref(),
+            What::Open(_) => refits.formula.as_ref().map(Refit::errors),
             What::Named(other) => {
                 let at = listed.iter().position(|(group, _)| *group == other)?;
-                refits.candidates[at].as_ref()
+                refits.candidates[at].as_ref().map(Refit::errors)
             }
         };
         let without = |name: usize| match &self.found.items[..] {
             [one, other] => alone(if one.what == What::Named(name) { other } else { one }),
-            _ => refits.but.iter().find(|(group, _)| *group == name).map(|(_, refit)| refit),
-        };
-        let is_better = |without: &Refit| {
-            let held_out = with.holdout_rms_um().zip(without.holdout_rms_um());
-            with.rms_mm() < without.rms_mm() && held_out.is_none_or(|(with, without)| with < without)
+            _ => refits.but.iter().find(|(group, _)| *group == name).map(|(_, errors)| *errors),
         };
         let is_name = |group: &usize| self.names().any(|name| name == *group);
-        let in_vain = |group: &usize| without(*group).is_some_and(|without| !is_better(without));
+        let in_vain = |group: &usize| without(*group).is_some_and(|without| !with.are_below(&without));
         let mut names = listed.iter().rev().map(|(group, _)| *group).filter(is_name);
         names.find(in_vain).map(|group| self.scan.named[group].instance.id())
     }

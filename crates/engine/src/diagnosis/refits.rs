@@ -61,6 +61,30 @@ pub fn refits(problem: &Problem<'_>, additions: Vec<Vec<ModelEffect>>) -> Vec<Re
     additions.into_iter().zip(fits).map(with).collect()
 }
 
+/// How far a model is from the readings that it was fitted to, and from those left out.
+#[derive(Clone, Copy)]
+pub struct Errors {
+    rms_mm: f64,
+    holdout_rms_mm: Option<f64>,
+}
+
+impl Errors {
+    fn of(fit: &Identification) -> Self {
+        Self { rms_mm: fit.rms_mm, holdout_rms_mm: fit.holdout_rms_mm() }
+    }
+
+    /// Smaller in the fit, and on what is left out of it where anything can be.
+    pub fn are_below(&self, others: &Self) -> bool {
+        let held_out = self.holdout_rms_mm.zip(others.holdout_rms_mm);
+        self.rms_mm < others.rms_mm && held_out.is_none_or(|(own, of_others)| own < of_others)
+    }
+}
+
+/// The errors of the model with each of the additions, in their order; `None` where it cannot be fitted.
+pub fn errors(problem: &Problem<'_>, additions: &[Vec<ModelEffect>]) -> Vec<Option<Errors>> {
+    parallel(additions.len(), |i| Some(Errors::of(&problem.without_uncertainties(&additions[i]).ok()?)))
+}
+
 /// Shares of the mean square that the additions explain together.
 pub struct Explained {
     /// Root mean square of what the model leaves.
@@ -96,6 +120,10 @@ impl Refit {
 
     pub fn rms_um(&self) -> f64 {
         um_from_mm(self.fit.rms_mm)
+    }
+
+    pub fn errors(&self) -> Errors {
+        Errors::of(&self.fit)
     }
 
     pub fn holdout_rms_um(&self) -> Option<f64> {
