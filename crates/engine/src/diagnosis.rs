@@ -36,8 +36,10 @@ use crate::problem::Problem;
 use crate::problem::experiment::Experiment;
 use answer::Answer;
 use options::DiagnoseError;
+use scan::Scan;
 use trunnion_effects::Model;
 use verdict::Diagnosis;
+use views::Views;
 
 /// Ranks the effects that the model lacks.
 ///
@@ -59,9 +61,11 @@ pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diag
     let mut options = options.clone();
     let (mut doubts, mut real): (Vec<String>, Option<Vec<String>>) = (Vec::new(), None);
     let mut resembling: Vec<String> = Vec::new();
-    let mut scan = scan::Scan::new(problem, &options.without)?;
+    let scan_without =
+        |without: &[String]| Ok::<_, DiagnoseError>((Scan::new(problem, without)?, Views::default()));
+    let (mut scan, mut views) = scan_without(&options.without)?;
     loop {
-        match answer::answer(problem, &scan, &options)? {
+        match answer::answer(problem, &scan, &views, &options)? {
             Answer::Diagnosis(diagnosis) => {
                 return Ok(match real {
                     None if diagnosis.verdict == Verdict::MissingEffect || resembling.is_empty() => {
@@ -76,12 +80,12 @@ pub fn diagnose_problem(problem: &Problem<'_>, options: &Options) -> Result<Diag
                 real = Some(with.into_iter().filter(is_real).collect());
                 options.without.push(effect);
                 doubts.push(why);
-                scan = scan::Scan::new(problem, &options.without)?;
+                (scan, views) = scan_without(&options.without)?;
             }
             Answer::Resembles { effect, why } => {
                 options.without.push(effect);
                 resembling.push(why);
-                scan = scan::Scan::new(problem, &options.without)?;
+                (scan, views) = scan_without(&options.without)?;
             }
             Answer::NotAdded { effect } => options.not_added.push(effect),
         }

@@ -20,6 +20,7 @@ use crate::diagnosis::verdict::{
     Together,
 };
 use crate::diagnosis::view::{Item, What, columns_of};
+use crate::diagnosis::views::Views;
 use crate::diagnosis::words;
 use crate::problem::Problem;
 use crate::spectrum::Wave;
@@ -33,10 +34,14 @@ const MOSTLY: f64 = 0.8;
 /// An expression next to a named effect is proposed when it explains a share that is not printed as 0 %.
 const SHOWN: f64 = 0.005;
 
-/// Answers for the model of `problem`, unless a named effect that was found cannot be the cause.
-pub fn answer(problem: &Problem<'_>, scan: &Scan<'_>, options: &Options) -> Result<Answer, DiagnoseError> {
-    let found = search(scan, options.claim_ln, options.look_ahead, &options.not_added)
-        .ok_or(DiagnoseError::NoNoise)?;
+/// Answers for the model of `problem`, unless a named effect that was found cannot be the cause. `views`: what was looked at in this scan before.
+pub fn answer(
+    problem: &Problem<'_>,
+    scan: &Scan<'_>,
+    views: &Views,
+    options: &Options,
+) -> Result<Answer, DiagnoseError> {
+    let found = search(scan, views, options).ok_or(DiagnoseError::NoNoise)?;
     let all_found_mm = scan.left(&columns_of(found.items.iter(), scan.remainder.y.len()));
     let alone_mm = scan.left(&DMatrix::zeros(scan.remainder.y.len(), 0));
     let is_constant = is_constant(scan, &found, options.claim_ln);

@@ -11,6 +11,7 @@
 
 use crate::diagnosis::model_comparison::{Additions, additions};
 use crate::diagnosis::named::{named, price_ln, scored_each};
+use crate::diagnosis::options::Options;
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
 use crate::diagnosis::sparse::sparse_ln_odds;
@@ -44,17 +45,19 @@ pub struct Found {
     pub views: Views,
 }
 
-/// Searches next to the model, at most `most` additions, and none of `but`. `None` where the noise cannot be learned.
-pub fn search(scan: &Scan<'_>, claim_ln: f64, most: usize, but: &[String]) -> Option<Found> {
+/// Searches next to the model, at most `options.look_ahead` additions. `views`: what was looked at in this scan before. `None` where the noise
+/// cannot be learned.
+pub fn search(scan: &Scan<'_>, views: &Views, options: &Options) -> Option<Found> {
+    let (claim_ln, most) = (options.claim_ln, options.look_ahead);
     let none = DMatrix::zeros(scan.remainder.y.len(), 0);
-    let is_out = |group: &usize| but.contains(&scan.named[*group].instance.id());
+    let is_out = |group: &usize| options.not_added.contains(&scan.named[*group].instance.id());
     let mut state = State {
         scan,
         claim_ln,
         items: Vec::new(),
         further: Vec::new(),
         fallen: (0..scan.named.len()).filter(is_out).map(|group| (group, 0.0)).collect(),
-        views: Views::default(),
+        views: views.clone(),
     };
     let before = state.views.of(scan, none, &scan.first.here.sigma)?;
     let first = named(scan, &before, &[], claim_ln);

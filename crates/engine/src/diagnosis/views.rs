@@ -1,4 +1,5 @@
-//! Views kept while a diagnosis lasts: exchanging a first choice and looking for rivals come back to columns that were looked at before.
+//! Views kept while a scan lasts: exchanging a first choice, looking for rivals and a search that may not add a name come back to columns
+//! that were looked at before.
 
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
@@ -12,9 +13,9 @@ use std::ops::Deref;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// All that were looked at.
-#[derive(Default)]
-pub struct Views(RefCell<Vec<Rc<Seen>>>);
+/// All that were looked at in one scan.
+#[derive(Clone, Default)]
+pub struct Views(Rc<RefCell<Vec<Rc<Seen>>>>);
 
 /// A view, with the effects that were looked at next to it.
 pub struct Seen {
