@@ -8,6 +8,7 @@
 //! Limits: an encoder sees what its own axis does: lag, reversal spikes, cyclic speed. Errors between encoders and tool
 //! (geometry, backlash behind an encoder, bending) are in no share.
 
+mod blank;
 mod error;
 mod ideal;
 mod motion;
@@ -16,6 +17,7 @@ mod smooth;
 
 pub use motion::{Ideal, LeftOut, Motion};
 
+pub use blank::findings;
 pub use error::AttributionError;
 
 use nalgebra::{Point3, Vector3};

@@ -7,7 +7,7 @@ use trunnion_core::{Joint, chain, names};
 use trunnion_cycles::Cycle;
 use trunnion_engine::ExperimentError;
 use trunnion_methods::Findings;
-use trunnion_methods::attribution::{Motion, attribute};
+use trunnion_methods::attribution::{self, Motion, attribute};
 use trunnion_methods::notation::{Layout, Notation};
 use trunnion_methods::recipes::{self, Method, MethodOptions};
 use trunnion_methods::volumetric::{Datum, Volume, VolumeError, VolumetricMap};
@@ -59,10 +59,9 @@ impl Experiment {
         let method = recipes::find(name)?;
         let plausibility = self.plausibility();
         let found = match method.apply(self.runs(), options) {
-            Err(refused) if refused.is_of_runs() && !plausibility.is_empty() => Findings {
-                notes: vec![format!("Not evaluated: {}.", chain(&refused).trim_end_matches('.'))],
-                ..method.findings(self.runs(), options.convention)
-            },
+            Err(refused) if refused.is_of_runs() && !plausibility.is_empty() => {
+                not_evaluated(&refused, method.findings(self.runs(), options.convention))
+            }
             done => done?,
         };
         Ok(results::Findings { plausibility, ..(&found).into() })
@@ -178,10 +177,11 @@ impl Volumetric {
 const AT_FIRST: usize = 2;
 
 /// Which axis made the deviation of a recording on the fly, from the axes' own encoders. The ideal motion comes from the cycle in
-/// the recording, unless `smooth` asks for a smooth path with a knot every `knot_s`.
+/// the recording, unless `smooth` asks for a smooth path with a knot every `knot_s`. Of a doubted recording that cannot be judged the answer
+/// is the doubt, without values.
 ///
 /// # Errors
-/// A recording that cannot be read or holds no axis positions.
+/// A recording that cannot be read, or a good one that holds no axis positions; knots that do not fit.
 pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attributed, Error> {
     let recording = trunnion_record::read_run(path, &|name| files::machine(name).ok())
         .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
@@ -190,30 +190,47 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
         true => None,
         false => Some(Cycle::parse(&format!("the cycle in {}", path.display()), text)?),
     };
+    let run = &recording.run;
     let attribution = attribute(&Motion {
-        run: &recording.run.name,
-        machine: &recording.run.machine,
+        run: &run.name,
+        machine: &run.machine,
         samples: &recording.axis_samples,
         cycle: cycle.as_ref(),
         knot_s,
     });
-    let attribution = attribution.map_err(|none| match &recording.damage {
-        Some(damage) => Error::NothingLeft {
-            runs: recording.run.name.clone(),
-            losses: format!("{}: {damage}", path.display()),
-        },
-        None => none.into(),
-    })?;
-    // Asked as every command asks it, of points that are formed from the samples again.
-    let plausibility = match open(path) {
-        Ok(experiment) => experiment.plausibility(),
-        // Samples of the axes alone can be attributed too: without points there is nothing that could be doubted.
-        Err(Error::Experiment(none)) if matches!(*none, ExperimentError::NoPoints { .. }) => Vec::new(),
-        Err(Error::NothingLeft { .. }) => Vec::new(),
-        Err(failed) => return Err(failed),
+    let doubts = doubts(path);
+    let doubted = doubts.as_ref().is_ok_and(|doubts| !doubts.is_empty());
+    let found = match (attribution, &recording.damage) {
+        (Ok(attribution), _) => attribution.to_findings(),
+        (Err(refused), _) if refused.is_of_runs() && doubted => {
+            not_evaluated(&refused, attribution::findings(&run.name, &run.machine.name))
+        }
+        (Err(_), Some(damage)) => {
+            return Err(Error::NothingLeft {
+                runs: run.name.clone(),
+                losses: format!("{}: {damage}", path.display()),
+            });
+        }
+        (Err(refused), None) => return Err(refused.into()),
     };
     Ok(Attributed {
-        findings: results::Findings { plausibility, ..(&attribution.to_findings()).into() },
+        findings: results::Findings { plausibility: doubts?, ..(&found).into() },
         missing: Missing::of_samples(path, recording.damage.as_ref())?,
     })
+}
+
+/// Asked as every command asks it, of points that are formed from the samples again.
+fn doubts(path: &Path) -> Result<Vec<results::Plausibility>, Error> {
+    match open(path) {
+        Ok(experiment) => Ok(experiment.plausibility()),
+        // Samples of the axes alone can be attributed too: without points there is nothing that could be doubted.
+        Err(Error::Experiment(none)) if matches!(*none, ExperimentError::NoPoints { .. }) => Ok(Vec::new()),
+        Err(Error::NothingLeft { .. }) => Ok(Vec::new()),
+        Err(failed) => Err(failed),
+    }
+}
+
+/// Why doubted runs have no values: what is wrong with them may be all that is missing.
+fn not_evaluated(refused: &dyn std::error::Error, findings: Findings) -> Findings {
+    Findings { notes: vec![format!("Not evaluated: {}.", chain(refused).trim_end_matches('.'))], ..findings }
 }

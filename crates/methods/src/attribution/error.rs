@@ -49,3 +49,14 @@ pub enum AttributionError {
         time_s: f64,
     },
 }
+
+impl AttributionError {
+    /// True where the recording is why, and not what was asked of it.
+    pub fn is_of_runs(&self) -> bool {
+        match self {
+            Self::NoAxes { .. } | Self::Cycle { .. } | Self::NoPose { .. } => true,
+            // Without any possible distance the recording is too short for a path.
+            Self::Knots { low, high, .. } => low > high,
+        }
+    }
+}

@@ -1,9 +1,9 @@
 //! An attribution as findings: text, page and JSON are those of every method.
 
+use super::blank::findings;
 use super::{Attribution, Deviation, Ideal, LeftOut, Share, largest};
 use crate::Findings;
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundValue, Plot, ValueKind};
-use crate::recipes::Convention;
 use nalgebra::Vector3;
 use trunnion_core::Joint;
 use trunnion_core::number::signed;
@@ -18,18 +18,13 @@ impl Attribution {
     /// Values, table, charts and notes.
     pub fn to_findings(&self) -> Findings {
         Findings {
-            excluded: 0,
-            method: "attribute",
-            source: "S3 §3.1",
-            convention: Convention::RightHanded,
-            machine: self.machine.clone(),
-            runs: vec![self.run.clone()],
             values: std::iter::once(self.whole())
                 .chain(self.shares.iter().map(|share| self.value(share)))
                 .collect(),
             tables: vec![self.table()],
             charts: self.charts(),
             notes: self.notes(),
+            ..findings(&self.run, &self.machine)
         }
     }
 

@@ -4,6 +4,7 @@
 
 mod adequate;
 mod alarms;
+mod attributed;
 mod changes;
 mod collinear_day;
 mod conformity;
