@@ -20,6 +20,7 @@ pub use motion::{Ideal, LeftOut, Motion};
 pub use blank::findings;
 pub use error::AttributionError;
 
+use crate::common::rounding::{ROUNDING_MM, without};
 use nalgebra::{Point3, Vector3};
 use std::ops::Range;
 use trunnion_core::statistics::rms;
@@ -73,8 +74,7 @@ pub struct Deviation {
 
 /// Fewest axis positions for a judgement.
 const FEWEST: usize = 16;
-/// Rounding of a pose: nothing is smaller, mm and rad.
-const ROUNDING_MM: f64 = 1e-9;
+/// Rounding of the rotation of a pose: nothing is smaller, rad.
 const ROUNDING_RAD: f64 = 1e-12;
 
 /// Judges a motion.
@@ -168,11 +168,6 @@ impl Deviation {
     pub fn rms_rad(&self) -> f64 {
         rms(self.turn_rad.iter().map(Vector3::norm)).unwrap_or(0.0)
     }
-}
-
-/// `value`, or zero when it is rounding. What is no number stays so.
-fn without(value: f64, rounding: f64) -> f64 {
-    if value.abs() < rounding { 0.0 } else { value }
 }
 
 /// The value with the largest size, with its sign.

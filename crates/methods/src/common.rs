@@ -7,6 +7,7 @@ pub(crate) mod harmonics;
 pub(crate) mod lone;
 pub(crate) mod over_height;
 pub(crate) mod relative;
+pub(crate) mod rounding;
 pub(crate) mod significance;
 pub(crate) mod stations;
 pub(crate) mod turning;

@@ -17,7 +17,7 @@ const UM: f64 = 1e-3;
 const R_MM: f64 = 150.0;
 
 /// The shipped XY circle; the tool is displaced by `(x, y)` mm of the state; noise in µm.
-fn circle(displaced: impl Fn(&State) -> (f64, f64), noise_um: f64, calibrated: bool) -> Run {
+pub fn circle(displaced: impl Fn(&State) -> (f64, f64), noise_um: f64, calibrated: bool) -> Run {
     circle_with(displaced, noise_um, calibrated, 5)
 }
 
@@ -53,16 +53,16 @@ fn angle(state: &State) -> f64 {
     state.position[Y].atan2(state.position[X])
 }
 
-fn circular(run: Run) -> Findings {
+pub fn circular(run: Run) -> Findings {
     let method = recipes::find("circular").unwrap();
     method.apply(&[run], &MethodOptions::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn value(findings: &Findings, name: &str) -> f64 {
+pub fn value(findings: &Findings, name: &str) -> f64 {
     findings.value(name).unwrap_or_else(|| panic!("no value {name}")).value
 }
 
-fn near(found: f64, put_in: f64, within: f64, what: &str) {
+pub fn near(found: f64, put_in: f64, within: f64, what: &str) {
     assert!((found - put_in).abs() <= within, "{what}: {found}, put in {put_in}");
 }
 

@@ -8,6 +8,7 @@ mod ball_bar;
 mod certification;
 mod circular;
 mod circular_rows;
+mod circular_zeros;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../engine/tests/all/common.rs"]
 mod common;

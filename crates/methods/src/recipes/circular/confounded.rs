@@ -13,6 +13,7 @@
 use super::list::ListedKind;
 use super::solved::{CENTRING, TOLERANCE, widened};
 use super::trace::Trace;
+use crate::common::rounding::without;
 use crate::common::significance::is_significant;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -181,7 +182,11 @@ fn split(design: &DMatrix<f64>, column: &DVector<f64>) -> Option<(DVector<f64>, 
     if beyond.norm() <= ROUNDING * column.norm() {
         return None;
     }
-    let moves = least_squares(design, column, TOLERANCE).x;
+    let mut moves = least_squares(design, column, TOLERANCE).x;
+    // What the column shares with an error of the list to rounding is nothing: even and odd shapes, for example.
+    for (moved, of_list) in moves.iter_mut().zip(design.column_iter()) {
+        *moved = without(*moved, ROUNDING * column.amax() / of_list.amax());
+    }
     let shown = column - design * &moves;
     let is_shown = shown.norm() > SHOWN * beyond.norm();
     Some((moves, is_shown.then_some(shown)))

@@ -3,9 +3,10 @@
 use super::confounded::{Other, Together, confounded_together, one_number, others};
 use super::list::{Listed, ListedKind, columns, listed, of_beginnings, of_decay};
 use super::sample::Sample;
-use super::solved::{CENTRING, TOLERANCE, widened};
+use super::solved::{CENTRING, TOLERANCE, rounding, widened};
 use super::trace::Trace;
 use crate::common::bar::{OFF_TOLERANCE, read_mm, to_first_order};
+use crate::common::rounding::{ROUNDING_MM, without};
 use crate::common::stations::Stations;
 use crate::geometry;
 use crate::recipes::{Method, MethodError};
@@ -58,6 +59,8 @@ pub(super) struct FittedError {
     pub x: DVector<f64>,
     /// Holds what a significant cause that is not on the list would move it by.
     pub u: f64,
+    /// A smaller value is rounding.
+    pub rounding: f64,
     /// Its columns of the fit.
     pub columns: Range<usize>,
     /// Range of what this error alone makes of the trace, centred, mm.
@@ -100,7 +103,7 @@ impl<'a> Fitted<'a> {
         let (list, decay_mm) = without_doubtful_spikes(trace, list, &deviation);
         let design = with_decays(trace, &list, decay_mm, design(trace, &list, decay_mm));
         let fit = least_squares(&design, &deviation, TOLERANCE);
-        let left = &deviation - &design * &fit.x;
+        let left = (&deviation - &design * &fit.x).map(|mm| without(mm, ROUNDING_MM));
         let widened = widened(&left);
         let kinds: Vec<ListedKind> = list.iter().map(|item| item.kind).collect();
         let others = others(trace, &kinds, &design, &left);
@@ -108,14 +111,17 @@ impl<'a> Fitted<'a> {
         let mut first = CENTRING;
         for item in list {
             let count = columns(item.kind, trace, decay_mm, &samples[0]).len();
-            let x = fit.x.rows(first, count).into_owned();
-            let made = centred(&(design.columns(first, count) * &x));
             let its = first..first + count;
+            let of_columns = DVector::from_iterator(count, its.clone().map(|k| rounding(design.column(k))));
+            let x = fit.x.rows(first, count).zip_map(&of_columns, without);
+            let made = centred(&(design.columns(first, count) * &x));
+            let own_u = widened * fit.u.rows(first, count).norm() / (count as f64).sqrt();
             let moved = others.iter().flatten().map(|other| other.moved(&its)).fold(0.0, f64::max);
             errors.push(FittedError {
                 value: one_number(&x),
                 x,
-                u: moved.hypot(widened * fit.u.rows(first, count).norm() / (count as f64).sqrt()),
+                u: moved.hypot(without(own_u, of_columns.min())),
+                rounding: of_columns.min(),
                 columns: its,
                 circularity_mm: range(made.iter().copied()),
                 decay_mm: match item.kind {
@@ -127,7 +133,7 @@ impl<'a> Fitted<'a> {
             first += count;
         }
         errors.sort_by(|a, b| b.circularity_mm.total_cmp(&a.circularity_mm));
-        let measured = centred(&deviation);
+        let measured = centred(&deviation).map(|mm| without(mm, ROUNDING_MM));
         let angles: Vec<f64> = trace.read.iter().map(|s| s.angle_rad).collect();
         let stations = match trace.on_the_fly {
             true => Stations::of_sweeps(&angles, true),
@@ -217,8 +223,8 @@ impl Iso {
         }
         let both = circle(as_read.iter().flat_map(|(_, contour)| contour.iter().map(place)).collect())?;
         let known = trace.calibrated;
-        let d_mm = both.radius_mm - r_mm;
-        let (low, high) = extent(both.deviation_mm.iter().map(|v| v + d_mm));
+        let d_mm = without(both.radius_mm - r_mm, ROUNDING_MM);
+        let (low, high) = extent(both.deviation_mm.iter().map(|v| without(v + d_mm, ROUNDING_MM)));
         Ok(Self {
             g_b_mm: (g_mm.len() > 1).then(|| range(both.deviation_mm.iter().copied())),
             d_mm: known.then_some(d_mm),
@@ -315,10 +321,11 @@ fn without_doubtful_spikes(
         let decay_mm = decays(trace, &list, deviation);
         let design = design(trace, &list, decay_mm);
         let fit = least_squares(&design, deviation, TOLERANCE);
-        let widened = widened(&(deviation - design * &fit.x));
+        let widened = widened(&(deviation - &design * &fit.x));
         let (mut first, mut weakest) = (CENTRING, None);
         for (i, item) in list.iter().enumerate() {
-            let stands_out = fit.x[first].abs() / (widened * fit.u[first]).max(f64::MIN_POSITIVE);
+            let x = without(fit.x[first], rounding(design.column(first)));
+            let stands_out = x.abs() / (widened * fit.u[first]).max(f64::MIN_POSITIVE);
             if matches!(item.kind, ListedKind::ReversalSpike(_))
                 && stands_out < SPIKE_STANDS_OUT
                 && weakest.is_none_or(|(_, least)| stands_out < least)
@@ -334,7 +341,8 @@ fn without_doubtful_spikes(
 
 fn contour(stations: &Stations, samples: &[Sample], way: f64, of: &DVector<f64>) -> Contour {
     let of_way = samples.iter().zip(of.iter()).filter(|(sample, _)| sample.way == way);
-    stations.contour(of_way.map(|(sample, value)| (sample.angle_rad, *value)))
+    let means = stations.contour(of_way.map(|(sample, value)| (sample.angle_rad, *value)));
+    means.into_iter().map(|(angle_rad, mm)| (angle_rad, without(mm, ROUNDING_MM))).collect()
 }
 
 /// Noise by second differences of neighbours in time within a way, from their median: var(l₁ − 2 l₂ + l₃) = 6 σ² (Neumann 1941), and the
@@ -354,5 +362,5 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 fn range(values: impl Iterator<Item = f64>) -> f64 {
     let (low, high) = extent(values);
-    (high - low).max(0.0)
+    without((high - low).max(0.0), ROUNDING_MM)
 }

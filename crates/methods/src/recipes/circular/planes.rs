@@ -81,7 +81,10 @@ fn said(fits: &[Fitted<'_>], factors: impl Fn(ListedKind, [Joint; 2]) -> Option<
 
 /// `wanted` · unknowns, when the planes determine it.
 fn solve(said: &[Said], wanted: [f64; 3], name: String, unit: Unit) -> Option<Together> {
-    let floor = said.iter().map(|s| s.u).fold(0.0, f64::max) * 1e-3 + f64::MIN_POSITIVE;
+    let largest_u = said.iter().map(|s| s.u).fold(0.0, f64::max);
+    // Readings that the lists explain to rounding have no u: all planes weigh the same.
+    let is_exact = largest_u == 0.0;
+    let floor = if is_exact { 1.0 } else { largest_u * 1e-3 };
     let weight = |s: &Said| 1.0 / s.u.max(floor);
     let a = DMatrix::from_fn(said.len(), 3, |i, k| said[i].factors[k] * weight(&said[i]));
     let b = DVector::from_fn(said.len(), |i, _| said[i].value * weight(&said[i]));
@@ -95,7 +98,8 @@ fn solve(said: &[Said], wanted: [f64; 3], name: String, unit: Unit) -> Option<To
     let fit = least_squares(&a, &b, 1e-6);
     let left = (&b - &a * &fit.x).norm();
     let freedom = said.len().saturating_sub(fit.rank);
-    let widened = if freedom > 0 { (left / (freedom as f64).sqrt()).max(1.0) } else { 1.0 };
+    let least = if is_exact { 0.0 } else { 1.0 };
+    let widened = if freedom > 0 { (left / (freedom as f64).sqrt()).max(least) } else { least };
     let variance = (factors.transpose() * &fit.cofactor * &factors)[(0, 0)];
     let apart = |s: &Said| (s.value - (0..3).map(|k| s.factors[k] * fit.x[k]).sum::<f64>()).abs();
     let about = |s: &&Said| (0..3).any(|k| s.factors[k] != 0.0 && wanted[k] != 0.0);

@@ -6,6 +6,7 @@ use super::fit::{Fitted, FittedError};
 use super::list::ListedKind;
 use super::planes::together;
 use super::trace::{Speed, Trace, Traces};
+use crate::common::rounding::without;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
 use crate::recipes::{Convention, Method};
 use std::cmp::Ordering::Equal;
@@ -181,7 +182,7 @@ fn doubts(fit: &Fitted<'_>) -> Option<FoundTable> {
                 Cell::Number(seen.amount * other.unit.per_inside),
                 Cell::Number(seen.u * other.unit.per_inside),
                 Cell::Text(other.unit.text()),
-                Cell::Number(other.value_with(&error.x, &error.columns) * scale),
+                Cell::Number(without(other.value_with(&error.x, &error.columns), error.rounding) * scale),
                 Cell::Number(within * scale),
                 Cell::Number(far * scale),
             ]);
