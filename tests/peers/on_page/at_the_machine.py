@@ -56,6 +56,7 @@ def at_the_machine(browser, folder):
         check("the mounting is said", "Setup low" in tab.text("#prompt"), tab.text("#prompt"))
         tab.page.click("#begin")
         tab.until("document.getElementById('cycle-state').innerText === 'Measuring'")
+        check("nothing says that its map is of another", tab.page.locator("#as-of").is_hidden())
         floor.obey("run")
         tab.until("/^([3-9]|[0-9][0-9]+) of 336 poses/.test(document.querySelector('progress + p').innerText)")
         check("poses come", True, tab.text("progress + p"))
@@ -75,7 +76,13 @@ def at_the_machine(browser, folder):
         tab.until("!['Measuring'].includes(document.getElementById('cycle-state').innerText)")
         tab.until("location.hash === '#measure' && ['The cycle is over, a part of it is missing', 'The cycle failed'].includes(document.getElementById('cycle-state')?.innerText)")
         check("what was read is kept and reported", "Stopped" in tab.text("progress + p"), tab.text("progress + p"))
+        read_stays_on_the_map(tab)
         until_analysed(floor)
+        # Another browser, or this one after another view, begins with an empty map.
+        phone.view("set-up")
+        phone.view("measure")
+        read_stays_on_the_map(phone)
+        phone.picture("measure-aborted-390-dark")
         began = time.monotonic()
         tab.view("result")
         painted = time.monotonic() - began
@@ -85,6 +92,15 @@ def at_the_machine(browser, folder):
         check("a part of a cycle has no verdict", "not judged" in tab.text("main").lower() or "whole" in tab.text("main"), tab.text("h1"))
         tab.close()
         phone.close()
+
+
+def read_stays_on_the_map(tab):
+    """After an abort the map shows what was read until then, and says so."""
+    tab.until("document.querySelector('#as-of')?.checkVisibility()")
+    said = tab.text("#as-of")
+    check("the map is of the aborted cycle", re.fullmatch(r"As of run \S+: [0-9]+ poses until the cycle was aborted, [0-9]+ of them with a reading\.", said), said)
+    drawn = tab.page.locator("figure.map canvas").first.get_attribute("aria-label")
+    check("and shows what was measured until then", int(re.match(r"Setup low: ([0-9]+) of 168", drawn)[1]) >= 3, drawn)
 
 
 def until_analysed(floor):

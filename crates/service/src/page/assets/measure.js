@@ -136,7 +136,8 @@ function showMap(page) {
   if (parts.mapOf === known?.name) return;
   parts.mapOf = known?.name;
   parts.map = known?.grid ? poseMap(known.grid) : null;
-  parts.maps.replaceChildren(...(known ? [el("h2", {}, `Poses of ${known.name}`), parts.map?.figure ?? el("p", { class: "soft" }, "On the fly, or not over two rotary axes: there is no map of poses.")] : []));
+  parts.asOf = el("p", { class: "soft", id: "as-of" });
+  parts.maps.replaceChildren(...(known ? [el("h2", {}, `Poses of ${known.name}`), parts.asOf, parts.map?.figure ?? el("p", { class: "soft" }, "On the fly, or not over two rotary axes: there is no map of poses.")] : []));
 }
 
 function showCycle(cycle) {
@@ -154,10 +155,7 @@ function showCycle(cycle) {
   if (total) parts.progress.max = total;
   if (over) parts.progress.value = cycle.missing && cycle.read != null ? (parts.progress.max * cycle.read) / (cycle.read + cycle.unsettled + cycle.missing) : parts.progress.max;
   else parts.progress.value = done;
-  // What is done stays on the map.
-  if (whole) parts.map?.fill(Infinity);
-  else if (!over && (!total || total === parts.map?.poses)) parts.map?.fill(done);
-  else if (!parts.map?.filled) parts.map?.fill(0);
+  fillMap(cycle, { whole, stays: parts.mapOf === cycle?.cycle && (over || state === "failed") });
   const left = cycle?.seconds_left;
   const texts = [];
   if (state === "measuring" && total) texts.push(`${done} of ${total} poses`);
@@ -166,6 +164,19 @@ function showCycle(cycle) {
   if (over && cycle.read != null) texts.push(`${cycle.read} read, ${cycle.unsettled} unsettled, ${cycle.missing} missing, ${cycle.gaps} gaps`);
   if (cycle?.why) texts.push(cycle.why);
   parts.left.textContent = texts.filter(Boolean).join("; ");
+}
+
+// What was read stays on the map until the next cycle begins, and whose it is stands above it.
+function fillMap(cycle, { whole, stays }) {
+  const [done, total] = [cycle?.done ?? 0, cycle?.total ?? 0];
+  const until = cycle?.ended === "Stopped" ? "the cycle was aborted" : cycle?.state === "failed" ? "the cycle failed" : "the cycle ended";
+  const read = cycle?.read == null ? "" : `, ${cycle.read} of them with a reading`;
+  parts.asOf.textContent = stays && !whole && done ? `As of run ${cycle.run}: ${done} poses until ${until}${read}.` : "";
+  parts.asOf.hidden = !parts.asOf.textContent;
+  if (whole && stays) parts.map?.fill(Infinity);
+  else if (stays) parts.map?.fill(done, null);
+  else if (cycle?.state === "measuring" && total === parts.map?.poses) parts.map?.fill(done);
+  else parts.map?.fill(0);
 }
 
 function showProbes(live) {

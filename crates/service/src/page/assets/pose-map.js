@@ -17,7 +17,7 @@ export function poseMap({ axes, setups, poses }) {
   const left = labelWidth(rows);
   const wide = (width) => (width - left - EDGE.right) / columns.length;
   const high = (width) => Math.max(LOWEST, Math.min(HIGHEST, wide(width)));
-  let done = 0;
+  let [done, next] = [0, 0];
   const drawings = setups.map((_, k) => drawing({
     most: left + columns.length * WIDEST + EDGE.right,
     layout: (width) => EDGE.top + rows.length * high(width) + EDGE.bottom,
@@ -41,15 +41,16 @@ export function poseMap({ axes, setups, poses }) {
       ctx.fillStyle = colour("--blue");
       ctx.fillRect(x, y, w, h);
       ctx.globalAlpha = 1;
-      const next = here.includes(done);
-      ctx.strokeStyle = next ? colour("--orange") : colour("--line");
-      ctx.lineWidth = next ? 3 : 1;
+      const isNext = here.includes(next);
+      ctx.strokeStyle = isNext ? colour("--orange") : colour("--line");
+      ctx.lineWidth = isNext ? 3 : 1;
       ctx.strokeRect(x + 1, y + 1, w - 2, h - 2);
     }));
   }
 
-  function fill(now) {
-    done = now;
+  // Of a cycle that is over no pose is the next.
+  function fill(now, nextNow = now) {
+    [done, next] = [now, nextNow];
     setups.forEach((name, k) => {
       const all = cells[k].flat();
       const read = all.reduce((sum, here) => sum + count(here), 0);
@@ -57,10 +58,5 @@ export function poseMap({ axes, setups, poses }) {
       drawings[k].canvas.setAttribute("aria-label", `Setup ${name}: ${read} of ${all.flat().length} poses read`);
     });
   }
-  const map = { figure, poses: poses.length, filled: false };
-  map.fill = (done) => {
-    map.filled = true;
-    fill(done);
-  };
-  return map;
+  return { figure, poses: poses.length, fill };
 }
