@@ -220,6 +220,17 @@ impl Parameter {
         Self { meaning: Some(of_signs), ..self }
     }
 
+    /// What this value says of the machine by its sign, and what to do where that cannot be; `id` is that of the effect. `None` where a sign says
+    /// nothing.
+    pub fn said_by_sign(&self, id: &str, value: f64) -> Option<String> {
+        let [positive, negative] = self.meaning?;
+        let meaning = if value > 0.0 { positive } else { negative };
+        Some(format!(
+            "By {id}, {meaning}: if that cannot be, weight was taken to act against gravity, and every location error is the other way round: \
+             make the sign test then, before anything is changed."
+        ))
+    }
+
     /// The same where it changes the readings at one moment.
     #[must_use]
     pub fn sudden(self) -> Self {

@@ -44,12 +44,17 @@ impl Language {
         if self == Self::English {
             return Some(english.into());
         }
-        let whole = entries().find(|entry| entry[0] == english);
-        let whole = whole.map(|entry| entry[self as usize].to_string());
-        whole
+        self.whole(english)
+            .or_else(|| self.by_sentences(english))
             .or_else(|| self.by_items(english))
+            .or_else(|| self.by_label(english))
             .or_else(|| self.by_pattern(english))
             .or_else(|| self.by_parts(english))
+            .or_else(|| self.by_axes(english))
+    }
+
+    fn whole(self, english: &str) -> Option<String> {
+        entries().find(|entry| entry[0] == english).map(|entry| entry[self as usize].to_string())
     }
 
     /// What stands between items of a list, between labels in a row, and after a label.
@@ -57,9 +62,15 @@ impl Language {
         if self == Self::Japanese { ["；", "、", "："] } else { ["; ", ", ", ":"] }
     }
 
+    /// What stands between sentences.
+    fn space(self) -> &'static str {
+        if self == Self::Japanese { "" } else { " " }
+    }
+
     /// A list whose items all have an entry. Before the patterns: that of one item would hold the others in its last hole.
     fn by_items(self, english: &str) -> Option<String> {
-        if !english.contains("; ") {
+        // A sentence may have a semicolon of its own.
+        if !english.contains("; ") || english.ends_with('.') {
             return None;
         }
         let items: Option<Vec<String>> = english.split("; ").map(|item| self.say(item)).collect();
@@ -93,6 +104,35 @@ impl Language {
         let [_, comma, colon] = self.marks();
         // Names alone have no entry where they stand as in English.
         (known > 0 || comma != ", ").then(|| parts.join(comma) + if is_label { colon } else { "" })
+    }
+
+    /// An effect with what is said of it, `Backlash of the drive (backlash:X): The axis stops …`: both have an entry.
+    fn by_label(self, english: &str) -> Option<String> {
+        let (label, text) = english.split_once(": ")?;
+        let (label, text) = (self.say(label)?, self.say(text)?);
+        let colon = self.marks()[2];
+        Some(label + colon + self.space() + &text)
+    }
+
+    /// Sentences in a row that all have an entry. Before lists and patterns: those of the first would hold the others in their last hole.
+    fn by_sentences(self, english: &str) -> Option<String> {
+        let one = |sentence: &str| {
+            let whole = self.whole(sentence).or_else(|| self.by_label(sentence));
+            whole.or_else(|| self.by_pattern(sentence))
+        };
+        english.match_indices(". ").find_map(|(at, _)| {
+            let (first, others) = (&english[..=at], &english[at + 2..]);
+            Some(one(first)? + self.space() + &self.say(others)?)
+        })
+    }
+
+    /// Axes in a row, `X, Y and Z`.
+    fn by_axes(self, english: &str) -> Option<String> {
+        let (others, last) = english.split_once(" and ")?;
+        let mut axes = others.split(", ").chain([last]);
+        let and = if self == Self::Japanese { "、" } else { " und " };
+        let is_axis = |name: &str| name.len() <= 2 && name.starts_with(|c: char| c.is_ascii_uppercase());
+        axes.all(is_axis).then(|| others.replace(", ", self.marks()[1]) + and + last)
     }
 
     fn by_pattern(self, english: &str) -> Option<String> {

@@ -206,16 +206,9 @@ impl Refit {
     pub fn meaning_of_sign(&self, instance: &Instance, scene: &Scene) -> Option<String> {
         let id = instance.id();
         instance.parameters(scene).into_iter().find_map(|parameter| {
-            let [positive, negative] = parameter.meaning?;
             let own = self.fit.parameters.iter().find(|p| p.effect == id && p.name == parameter.name)?;
             let (value, u) = own.value.zip(own.u)?;
-            (value.abs() > SURE * u).then(|| {
-                format!(
-                    "By {id}, {}: if that cannot be, weight was taken to act against gravity, and every location error is the other way round: \
-                     make the sign test then, before anything is changed.",
-                    if value > 0.0 { positive } else { negative }
-                )
-            })
+            parameter.said_by_sign(&id, value).filter(|_| value.abs() > SURE * u)
         })
     }
 

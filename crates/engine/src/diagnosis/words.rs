@@ -5,16 +5,17 @@ use crate::diagnosis::verdict::ShapeNumber;
 use std::f64::consts::TAU;
 use trunnion_effects::Instance;
 
-/// The measurement that separates an effect from its rivals; empty without rivals.
+/// The measurements that separate an effect from its rivals; empty without rivals.
 pub fn separate_by(instance: &Instance, rivals: &[&Instance]) -> String {
     if rivals.is_empty() {
         return String::new();
     }
-    let seen_by =
-        |instance: &Instance| instance.about().map_or("", |about| about.seen_by).trim_end_matches('.');
-    let mut parts = vec![format!("{} shows in: {}", instance.id(), seen_by(instance))];
-    parts.extend(rivals.iter().map(|rival| format!("{} in: {}", rival.id(), seen_by(rival))));
-    format!("{}.", parts.join("; "))
+    let shows = |instance: &Instance| {
+        let seen_by = instance.about().map_or("", |about| about.seen_by);
+        format!("{} shows in: {seen_by}", instance.id())
+    };
+    let all: Vec<_> = std::iter::once(instance).chain(rivals.iter().copied()).map(shows).collect();
+    all.join(" ")
 }
 
 /// Where a term of the grammar acts.

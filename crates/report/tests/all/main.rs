@@ -6,6 +6,7 @@ mod all_clear;
 mod compensation_formats;
 mod doubts;
 mod filed;
+mod language;
 mod pages;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
