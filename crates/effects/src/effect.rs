@@ -79,7 +79,7 @@ impl Role {
 
 /// Documentation of an effect, used by reports and the generated catalogue.
 pub struct About {
-    /// Short title, e.g. "Sag of the tilting frame under its own weight".
+    /// Short title, e.g. "Sag of the tilting frame or head under its own weight".
     pub title: &'static str,
     /// Where it comes from, e.g. "S1 §5.3".
     pub source: &'static str,
