@@ -28,7 +28,7 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     ["Always.", "Immer.", "常に。"],
     // ballscrew-pitch
     ["The axis runs ahead and behind in a wave along its travel, the same at every turn of its screw.", "Die Achse läuft entlang ihres Weges wellenförmig vor und nach, bei jeder Umdrehung der Spindel gleich.", "軸が移動に沿って波状に進み遅れし、ねじの 1 回転ごとに同じになる。"],
-    ["Once a turn: screw or its bearing running out, eccentric motor encoder, coupling out of line; several times a turn: pole pairs of motor or resolver; else the pitch of the scale.", "Einmal je Umdrehung: Schlag der Spindel oder ihres Lagers, exzentrischer Motorgeber, fluchtungsfehlerhafte Kupplung; mehrmals je Umdrehung: Polpaare von Motor oder Resolver; sonst die Teilung des Maßstabs.", "1 回転に 1 回：ねじまたはその軸受の振れ、モータエンコーダの偏心、カップリングの心ずれ。1 回転に数回：モータまたはレゾルバの極対。それ以外：スケールのピッチ。"],
+    ["Once a turn: screw or its bearing running out, eccentric motor encoder, coupling out of line; several times a turn: pole pairs of motor or resolver; else the pitch of the scale.", "Einmal je Umdrehung: Schlag der Spindel oder ihres Lagers, exzentrischer Motorgeber, nicht fluchtende Kupplung; mehrmals je Umdrehung: Polpaare von Motor oder Resolver; sonst die Teilung des Maßstabs.", "1 回転に 1 回：ねじまたはその軸受の振れ、モータエンコーダの偏心、カップリングの心ずれ。1 回転に数回：モータまたはレゾルバの極対。それ以外：スケールのピッチ。"],
     ["A slow continuous move, or poses much closer than the lead.", "Eine langsame durchgehende Bewegung oder Stellungen, die viel dichter liegen als die Steigung.", "低速の連続移動、またはリードよりはるかに細かい間隔の姿勢。"],
     // clamp-shift
     ["The axis is pushed aside when its clamp or brake closes.", "Die Achse wird zur Seite gedrückt, wenn ihre Klemmung oder Bremse schließt.", "クランプまたはブレーキが閉じると軸が横に押される。"],
