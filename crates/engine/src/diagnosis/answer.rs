@@ -338,7 +338,9 @@ impl Context<'_> {
     /// True when what has no name explains more than what has one.
     fn formula_leads(&self, listed: &[(usize, Item)]) -> bool {
         let Some(open) = self.kept.strongest(true) else { return false };
-        let named = self.kept.strongest(false).map_or(f64::NEG_INFINITY, |item| item.ln_odds);
+        // The odds that are printed: next to a part of itself without a name, a name may have less of its own.
+        let is_found = |(group, _): &&(usize, Item)| self.kept.names().any(|name| name == *group);
+        let named = listed.iter().find(is_found).map_or(f64::NEG_INFINITY, |(_, item)| item.ln_odds);
         // A named effect next to a term that had to be kept is only believed when it explains most on its own.
         let scanned = Explained { before_mm: self.alone_mm, least_mm: self.floor_mm };
         let explains = listed.first().map_or(0.0, |(_, item)| scanned.by(self.scan.left(&item.columns)));

@@ -101,7 +101,7 @@ impl<'a> Kept<'a> {
     }
 
     /// Named effects that were found.
-    fn names(&self) -> impl Iterator<Item = usize> {
+    pub fn names(&self) -> impl Iterator<Item = usize> {
         self.found.items.iter().filter_map(|item| item.what.group())
     }
 
