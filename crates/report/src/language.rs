@@ -11,6 +11,8 @@ use table::entries;
 
 /// What a text holds in place of what it says about one machine.
 const HOLE: &str = "{}";
+/// Before these stands a number, in which no name or clause is.
+const SIZES: [&str; 2] = [" µm", " mm"];
 
 /// The language of a report.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -163,20 +165,27 @@ fn is_name(part: &str) -> bool {
 
 /// What stands in the holes of a pattern; `None` where the text is not of it.
 fn holes<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
-    let mut parts = pattern.split(HOLE);
-    let mut rest = text.strip_prefix(parts.next()?)?;
-    let mut found = Vec::new();
-    let mut parts = parts.peekable();
-    while let Some(part) = parts.next() {
-        let last = parts.peek().is_none();
-        let at = if last { rest.strip_suffix(part)?.len() } else { rest.find(part)? };
-        found.push(&rest[..at]);
-        rest = &rest[at + part.len()..];
-    }
+    let parts: Vec<&str> = pattern.split(HOLE).collect();
     // A label such as `{} back` holds a name; only a sentence, a list or a title with a remark holds one with commas.
     let lists = pattern.contains(['.', ':', ',', '—']);
-    let fits = |part: &&str| !part.is_empty() && (lists || !part.contains(", "));
-    (rest.is_empty() && !found.is_empty() && found.iter().all(fits)).then_some(found)
+    held(&parts[1..], text.strip_prefix(parts[0])?, lists)
+}
+
+/// What stands before each of the parts of a pattern.
+fn held<'t>(parts: &[&str], rest: &'t str, lists: bool) -> Option<Vec<&'t str>> {
+    let (part, others) = parts.split_first()?;
+    let is_size = SIZES.iter().any(|unit| part.starts_with(unit));
+    let fits = |hole: &str| {
+        !hole.is_empty()
+            && (lists || !hole.contains(", "))
+            && !(is_size && hole.contains(char::is_alphabetic))
+    };
+    if others.is_empty() {
+        return rest.strip_suffix(part).filter(|hole| fits(hole)).map(|hole| vec![hole]);
+    }
+    let ends = rest.match_indices(part).filter(|(at, _)| fits(&rest[..*at]));
+    ends.map(|(at, part)| (&rest[..at], &rest[at + part.len()..]))
+        .find_map(|(hole, rest)| Some([vec![hole], held(others, rest, lists)?].concat()))
 }
 
 /// Well-formed markup with its texts in another language; tags and attributes stay as they are.

@@ -5,6 +5,7 @@ mod catalogue;
 mod effects;
 mod findings;
 mod first_page;
+mod mistakes;
 mod next;
 
 /// All entries, in the order of the report.
@@ -16,6 +17,7 @@ pub fn entries() -> impl Iterator<Item = &'static [&'static str; 3]> {
         catalogue::ENTRIES,
         annex::ENTRIES,
         next::ENTRIES,
+        mistakes::ENTRIES,
     ]
     .into_iter()
     .flatten()

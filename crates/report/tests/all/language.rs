@@ -84,3 +84,62 @@ fn what_is_left_open_and_what_has_no_value_is_said_in_every_language() {
         check(text);
     }
 }
+
+/// As the suite of mistakes gets them, one of each.
+#[test]
+fn what_is_not_plausible_is_said_in_every_language() {
+    for text in [
+        "run: in 336 of 336 points (rows 1 to 336) the axes do not follow the ball: by their positions, ball and nest are 135.0 mm \
+         apart. With the position of the ball of setup low, ball_in_table_mm, at [150.0, 0.0, 60.0], not [15.0, 0.0, 60.0] mm and the \
+         position of the ball of setup high, ball_in_table_mm, at [150.0, 0.0, 160.0], not [15.0, 0.0, 160.0] mm they are 0.0 mm \
+         apart. Change it?",
+        "run: in 308 of 336 points (rows 1 to 336) the axes do not follow the ball: by their positions, ball and nest are 254.1 mm \
+         apart. With the columns of the axes B and C exchanged they are 0.0 mm apart. Change it?",
+        "run: in rows 1 to 168 the probe dz reads the same value in every digit, while the axes move. The probe is dead, stuck or not \
+         connected. Check it and measure again.",
+        "run: direction_c is always +1, but C moves the opposite way in 166 of 332 steps, and the readings know the way: play of C by \
+         it leaves 1.1 µm instead of 1.7. The directions were never filled in. Give direction_c as the axis moved, or 0 where it is \
+         not known.",
+        "run: in 288 of 336 points (rows 1 to 336) the axes do not follow the ball: by their positions, ball and nest are 243.1 mm \
+         apart. With the sense of B reversed (sign −1) they are 0.0 mm apart. Change it?",
+        "run: in 336 of 336 points (rows 1 to 336) the axes do not follow the ball: by their positions, ball and nest are 185.0 mm \
+         apart. With lengths given in inches, not in mm they are 0.0 mm apart. Change it?",
+        "run: no reading is larger than 0.038 µm, which is too small for a ball set in a nest. In mm instead of µm (factor 1000) they \
+         would be plausible. Check the units of the readings.",
+        "run: the readings do not fit their positions: 11.6 µm rms are left. With the nest on the table, not on the other side, 0.9 µm \
+         are left. Change it?",
+        "run: readings of one pose scatter by 19.6 µm, nothing but noise next to the 20.0 µm of all poses. The readings do not depend \
+         on the pose. Check that ball, nest and probes are firm, and the file.",
+        "run: the readings do not fit their positions: 9.3 µm rms are left. With the sign of the readings dx reversed, or those of dy \
+         and dz, 1.7 µm are left. Change it?",
+        "run: in 332 of 336 points (rows 1 to 336) the axes do not follow the ball: by their positions, ball and nest are 242.1 mm \
+         apart. With another machine, table-bc, not head-bc, or another machine, table-bc-y, not head-bc they are 0.0 mm apart. Change \
+         it?",
+        "run: the readings do not fit their positions: 5.0 µm rms are left. With the readings shifted one row earlier: they are one \
+         pose late, 1.0 µm are left. Change it?",
+        "run: the readings do not fit their positions: 10.5 µm rms are left. With the readings dx and dy exchanged (probe inputs), 0.9 \
+         µm are left. Change it?",
+        "run: in 332 of 336 points (rows 1 to 336) the axes do not follow the ball: by their positions, ball and nest are 242.9 mm \
+         apart. With angles given in radians, not in degrees they are 0.0 mm apart. Change it?",
+        "run: 336 of 672 points are copies of others, in time and readings. Rows were pasted twice, so their repeats prove nothing. \
+         Remove the duplicate rows.",
+        "The runs run and run are identical, reading by reading. One recording was given twice, so its repeats prove nothing. Give \
+         each recording once.",
+        "run: in 280 of 336 points (rows 2 to 335) the axes do not follow the ball: by their positions, ball and nest are 212.1 mm \
+         apart. With the sense of C reversed (sign −1), or the sense of Y reversed (sign −1) they are 0.0 mm apart. Positions cannot \
+         distinguish these: they are mirror images, and in the wrong one values have the wrong sign. Look at the machine first: jog +C \
+         and +Y, compare each with the machine file, and change what differs. Controls often count rotary axes the other way.",
+        "run: in 336 of 336 points (rows 1 to 336) the axes do not follow the ball: by their positions, ball and nest are 100.0 mm \
+         apart. With the setups high and low exchanged (position of the ball) they are 0.0 mm apart. Change it?",
+        "run: in rows 114 to 162 the axes do not follow the ball, elsewhere they do. The position of B and C stays the same there: it \
+         was not updated. Read these rows again.",
+        "run: by its times the cycle took 19 days, which is too long. In milliseconds instead of seconds (factor 1000) it would be \
+         plausible. Check the units of time_s.",
+        "run: time runs backward from row to row (334 of 334 steps). The rows stand in reversed order, or the times do. Give the rows \
+         in the order in which they were taken.",
+        "run: in 336 of 336 points (rows 1 to 336) the axes do not follow the ball: by their positions, ball and nest are 227.4 mm \
+         apart. With the columns of the axes X and Z exchanged they are 0.0 mm apart. Change it?",
+    ] {
+        check(text);
+    }
+}
