@@ -178,7 +178,7 @@ fn held<'t>(parts: &[&str], rest: &'t str, lists: bool) -> Option<Vec<&'t str>> 
     let fits = |hole: &str| {
         !hole.is_empty()
             && (lists || !hole.contains(", "))
-            && !(is_size && hole.contains(char::is_alphabetic))
+            && (!is_size || !hole.contains(char::is_alphabetic))
     };
     if others.is_empty() {
         return rest.strip_suffix(part).filter(|hole| fits(hole)).map(|hole| vec![hole]);
