@@ -6,6 +6,7 @@
 
 pub mod between_runs;
 pub mod doubts;
+pub(crate) mod errors;
 pub(crate) mod gauss_newton;
 mod holdout;
 pub mod identification;

@@ -21,6 +21,7 @@ pub(crate) mod steps;
 pub(crate) mod stream;
 pub(crate) mod taken;
 
+use crate::fit::errors::Errors;
 use crate::fit::identification::Identification;
 use crate::fit::identify_sharing;
 use crate::fit::options::{IdentifyError, Options, Uncertainties};
@@ -100,19 +101,16 @@ impl<'a> Problem<'a> {
         Self::of_model(self.experiment, self.larger(added), Some(&self.fit), self.known)
     }
 
-    /// The fit of [`Problem::with`] where only its values and errors are asked for: uncertainties take most of the time.
-    pub(crate) fn without_uncertainties(
-        &self,
-        added: &[ModelEffect],
-    ) -> Result<Identification, IdentifyError> {
+    /// The errors of [`Problem::with`]: without its uncertainties, which take most of the time.
+    pub(crate) fn errors_with(&self, added: &[ModelEffect]) -> Result<Errors, IdentifyError> {
         let model = self.larger(added);
-        if let Some(fit) = self.known.and_then(|known| known.fit(&model)) {
-            return Ok(fit);
-        }
+        let known = self.known.and_then(|known| known.fit(&model));
         let options = Options { uncertainties: Uncertainties::Clusters, ..Options::default() };
-        identify_sharing(self.experiment, &model, &options, Some(&self.fit))
+        let made = || identify_sharing(self.experiment, &model, &options, Some(&self.fit));
+        Ok(known.map_or_else(made, Ok)?.errors())
     }
 
+    /// The model with more effects at its end.
     fn larger(&self, added: &[ModelEffect]) -> Model {
         let mut model = self.model().clone();
         model.effects.extend_from_slice(added);

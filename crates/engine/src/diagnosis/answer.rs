@@ -303,7 +303,7 @@ impl Context<'_> {
         explained: &Explained,
         candidates: &[Candidate],
     ) -> Option<FormulaProposal> {
-        let (item, refit) = (self.kept.strongest(true)?, refit?);
+        let (item, refit) = (self.kept.strongest_open()?, refit?);
         let What::Open(term) = &item.what else { return None };
         let family = &self.scan.vocabulary.families[term.family];
         let entries = self.kept.entries_of(item).to_vec();
@@ -337,7 +337,7 @@ impl Context<'_> {
 
     /// True when what has no name explains more than what has one.
     fn formula_leads(&self, listed: &[(usize, Item)]) -> bool {
-        let Some(open) = self.kept.strongest(true) else { return false };
+        let Some(open) = self.kept.strongest_open() else { return false };
         // The odds that are printed: next to a part of itself without a name, a name may have less of its own.
         let is_found = |(group, _): &&(usize, Item)| self.kept.names().any(|name| name == *group);
         let named = listed.iter().find(is_found).map_or(f64::NEG_INFINITY, |(_, item)| item.ln_odds);

@@ -1,10 +1,11 @@
 //! What a search kept, as additions to the model: the fits with each of it and with all, and what they say against a name.
 
 use crate::diagnosis::entries::entries;
-use crate::diagnosis::refits::{Errors, Explained, Refit, Unfitted, errors, refits};
+use crate::diagnosis::refits::{Explained, Refit, Unfitted, errors, refits};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::Found;
 use crate::diagnosis::view::{Item, What};
+use crate::fit::errors::Errors;
 use crate::problem::Problem;
 use trunnion_effects::{Formula, Instance, ModelEffect};
 
@@ -58,7 +59,7 @@ impl<'a> Kept<'a> {
             vec![ModelEffect { id, ..ModelEffect::default() }]
         };
         let mut additions: Vec<_> = listed.iter().map(alone).collect();
-        let formula = self.strongest(true).map(|item| self.entries_of(item).to_vec());
+        let formula = self.strongest_open().map(|item| self.entries_of(item).to_vec());
         let set = (self.found.items.len() > 1).then(|| self.set_as_added(None));
         let (with_formula, with_set) = (formula.is_some(), set.is_some());
         additions.extend(formula);
@@ -182,9 +183,9 @@ impl<'a> Kept<'a> {
         at.map_or(&[], |at| &self.entries[at])
     }
 
-    /// With or without a name.
-    pub fn strongest(&self, open: bool) -> Option<&Item> {
-        let of_sort = self.found.items.iter().filter(|item| item.is_open() == open);
-        of_sort.max_by(|a, b| a.ln_odds.total_cmp(&b.ln_odds))
+    /// Without a name.
+    pub fn strongest_open(&self) -> Option<&Item> {
+        let open = self.found.items.iter().filter(|item| item.is_open());
+        open.max_by(|a, b| a.ln_odds.total_cmp(&b.ln_odds))
     }
 }

@@ -4,6 +4,7 @@ use crate::Experiment;
 use crate::diagnosis::verdict::CandidateParameter;
 use crate::evidence::parallel;
 use crate::fit::doubts::{Doubt, doubts_of, no_lag};
+use crate::fit::errors::Errors;
 use crate::fit::identification::Identification;
 use crate::fit::options::IdentifyError;
 use crate::problem::Problem;
@@ -61,28 +62,9 @@ pub fn refits(problem: &Problem<'_>, additions: Vec<Vec<ModelEffect>>) -> Vec<Re
     additions.into_iter().zip(fits).map(with).collect()
 }
 
-/// How far a model is from the readings that it was fitted to, and from those left out.
-#[derive(Clone, Copy)]
-pub struct Errors {
-    rms_mm: f64,
-    holdout_rms_mm: Option<f64>,
-}
-
-impl Errors {
-    fn of(fit: &Identification) -> Self {
-        Self { rms_mm: fit.rms_mm, holdout_rms_mm: fit.holdout_rms_mm() }
-    }
-
-    /// Smaller in the fit, and on what is left out of it where anything can be.
-    pub fn are_below(&self, others: &Self) -> bool {
-        let held_out = self.holdout_rms_mm.zip(others.holdout_rms_mm);
-        self.rms_mm < others.rms_mm && held_out.is_none_or(|(own, of_others)| own < of_others)
-    }
-}
-
 /// The errors of the model with each of the additions, in their order; `None` where it cannot be fitted.
 pub fn errors(problem: &Problem<'_>, additions: &[Vec<ModelEffect>]) -> Vec<Option<Errors>> {
-    parallel(additions.len(), |i| Some(Errors::of(&problem.without_uncertainties(&additions[i]).ok()?)))
+    parallel(additions.len(), |i| problem.errors_with(&additions[i]).ok())
 }
 
 /// Shares of the mean square that the additions explain together.
@@ -123,7 +105,7 @@ impl Refit {
     }
 
     pub fn errors(&self) -> Errors {
-        Errors::of(&self.fit)
+        self.fit.errors()
     }
 
     pub fn holdout_rms_um(&self) -> Option<f64> {

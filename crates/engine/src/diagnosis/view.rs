@@ -81,7 +81,7 @@ pub struct View {
     pub named: Vec<OnGrid>,
     /// AᵀPA of everything named, one for each shape.
     pub grams: Vec<DMatrix<f64>>,
-    /// Noises that were learned with some columns, this one last: with others in the model the noise may be near any of them.
+    /// Noises of this scan, each once: with further columns in the model the noise may be near any of them.
     near: Vec<Arc<Sigma>>,
 }
 
@@ -96,7 +96,7 @@ pub struct Relearned {
 }
 
 impl View {
-    /// `near`: noises that may be near by.
+    /// `near`: noises that may be near by, each once.
     pub fn of(scan: &Scan<'_>, chosen: DMatrix<f64>, mut near: Vec<Arc<Sigma>>) -> Option<Self> {
         let readings = scan.readings();
         let basis = orthonormal(&joined(&scan.remainder.base, &chosen)).cast::<Real>();
@@ -114,7 +114,7 @@ impl View {
         let mut grams = parallel(at.len(), |i| at[i].grams(&scan.columns, &scan.widths));
         let [at_null, at_quiet] = [0, 1].map(|i| weigh_grams(at[i], &scan.columns, &grams[i]));
         let named = on_grid(scan, &basis, &at_null, &at_quiet);
-        near.push(null.here.sigma.clone());
+        add_once(&mut near, &null.here.sigma);
         Some(Self { chosen, basis, null, quiet, named, grams: grams.swap_remove(0), near })
     }
 
@@ -154,6 +154,13 @@ pub fn fitted(here: &Projected, columns: &DMatrix<f64>) -> DVector<f64> {
     let values =
         &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * eigen.eigenvectors.tr_mul(&on_readings);
     columns * values
+}
+
+/// Adds a noise where it is not among the others.
+pub fn add_once(near: &mut Vec<Arc<Sigma>>, sigma: &Arc<Sigma>) {
+    if !near.iter().any(|other| Arc::ptr_eq(other, sigma)) {
+        near.push(sigma.clone());
+    }
 }
 
 fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, at_null: &[Weighed], at_quiet: &[Weighed]) -> Vec<OnGrid> {

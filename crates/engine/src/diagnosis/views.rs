@@ -3,7 +3,7 @@
 
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::Scored;
-use crate::diagnosis::view::View;
+use crate::diagnosis::view::{View, add_once};
 use crate::evidence::parallel;
 use crate::noise::learned::sigma::Sigma;
 use nalgebra::DMatrix;
@@ -30,9 +30,8 @@ impl Views {
         if let Some(seen) = self.0.borrow().iter().find(|seen| seen.chosen == chosen) {
             return Some(seen.clone());
         }
-        let others = self.0.borrow().iter().map(|seen| seen.null.here.sigma.clone()).collect::<Vec<_>>();
-        let is_other = |sigma: &Arc<Sigma>| !Arc::ptr_eq(sigma, start);
-        let near = others.into_iter().filter(is_other).chain([start.clone()]).collect();
+        let mut near = vec![start.clone()];
+        self.0.borrow().iter().for_each(|seen| add_once(&mut near, &seen.null.here.sigma));
         let view = View::of(scan, chosen, near)?;
         let seen = Rc::new(Seen { view, scored: RefCell::default() });
         self.0.borrow_mut().push(seen.clone());

@@ -3,6 +3,7 @@
 //! Inside units throughout (mm, rad, s, K); [`FittedParameter::screen_value`] converts.
 //! `residual = measured − predicted`.
 
+use crate::fit::errors::Errors;
 use crate::noise::learned::remainder::Learned;
 use crate::problem::folds::LeftOut;
 use crate::solve::combinations::Combination;
@@ -256,5 +257,9 @@ impl Identification {
     /// Root mean square on held-out data, mm.
     pub fn holdout_rms_mm(&self) -> Option<f64> {
         self.holdout.map(|holdout| holdout.rms_mm)
+    }
+
+    pub(crate) fn errors(&self) -> Errors {
+        Errors { rms_mm: self.rms_mm, holdout_rms_mm: self.holdout_rms_mm() }
     }
 }
