@@ -8,7 +8,6 @@
 //! Limits: an encoder sees what its own axis does: lag, reversal spikes, cyclic speed. Errors between encoders and tool
 //! (geometry, backlash behind an encoder, bending) are in no share.
 
-mod blank;
 mod error;
 mod ideal;
 mod motion;
@@ -17,8 +16,8 @@ mod smooth;
 
 pub use motion::{Ideal, LeftOut, Motion};
 
-pub use blank::findings;
 pub use error::AttributionError;
+pub use present::nothing_found;
 
 use crate::common::rounding::{ROUNDING_MM, without};
 use nalgebra::{Point3, Vector3};

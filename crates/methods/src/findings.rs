@@ -31,6 +31,19 @@ pub struct Findings {
     pub notes: Vec<String>,
 }
 
+impl Findings {
+    /// Of these runs of one machine, without anything found yet.
+    pub(crate) fn nothing_yet(
+        [method, source]: [&'static str; 2],
+        convention: Convention,
+        machine: String,
+        runs: Vec<String>,
+    ) -> Self {
+        let (values, tables, charts, notes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { method, source, convention, machine, runs, excluded: 0, values, tables, charts, notes }
+    }
+}
+
 /// One value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundValue {

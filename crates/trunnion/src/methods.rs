@@ -203,7 +203,7 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
     let found = match (attribution, &recording.damage) {
         (Ok(attribution), _) => attribution.to_findings(),
         (Err(refused), _) if refused.is_of_runs() && doubted => {
-            not_evaluated(&refused, attribution::findings(&run.name, &run.machine.name))
+            not_evaluated(&refused, attribution::nothing_found(&run.name, &run.machine.name))
         }
         (Err(_), Some(damage)) => {
             return Err(Error::NothingLeft {

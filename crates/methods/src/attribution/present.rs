@@ -1,9 +1,9 @@
 //! An attribution as findings: text, page and JSON are those of every method.
 
-use super::blank::findings;
 use super::{Attribution, Deviation, Ideal, LeftOut, Share, largest};
 use crate::Findings;
 use crate::findings::{AxisName, Cell, Chart, Column, Curve, FoundTable, FoundValue, Plot, ValueKind};
+use crate::recipes::Convention;
 use nalgebra::Vector3;
 use trunnion_core::Joint;
 use trunnion_core::number::signed;
@@ -13,6 +13,11 @@ use trunnion_effects::Unit;
 const DRAWN: usize = 3;
 /// Bins of a chart; two points of each are drawn, its lowest and highest.
 const BINS: usize = 300;
+
+/// The answer of a recording before anything is in it: also of one that cannot be judged.
+pub fn nothing_found(run: &str, machine: &str) -> Findings {
+    Findings::nothing_yet(["attribute", "S3 §3.1"], Convention::RightHanded, machine.into(), vec![run.into()])
+}
 
 impl Attribution {
     /// Values, table, charts and notes.
@@ -24,7 +29,7 @@ impl Attribution {
             tables: vec![self.table()],
             charts: self.charts(),
             notes: self.notes(),
-            ..findings(&self.run, &self.machine)
+            ..nothing_found(&self.run, &self.machine)
         }
     }
 

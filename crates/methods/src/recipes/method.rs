@@ -114,18 +114,9 @@ impl Method {
 
     /// Findings of these runs of one machine, without anything found yet.
     pub fn findings(&self, runs: &[Run], convention: Convention) -> Findings {
-        Findings {
-            method: self.name,
-            source: self.source,
-            convention,
-            machine: runs.first().map_or_else(String::new, |run| run.machine.name.clone()),
-            runs: runs.iter().map(|run| run.name.clone()).collect(),
-            excluded: 0,
-            values: Vec::new(),
-            tables: Vec::new(),
-            charts: Vec::new(),
-            notes: Vec::new(),
-        }
+        let machine = runs.first().map_or_else(String::new, |run| run.machine.name.clone());
+        let names = runs.iter().map(|run| run.name.clone()).collect();
+        Findings::nothing_yet([self.name, self.source], convention, machine, names)
     }
 
     /// The error of runs that lack something. `found`: what is wrong, without a full stop; `next`: what to do, a sentence.

@@ -6,18 +6,18 @@ use crate::mistakes::Files;
 #[test]
 fn attribution_answers_a_doubted_recording_with_the_doubt() {
     let folder = tempfile::tempdir().unwrap();
-    let attributed = |name: &str, files: &Files, knot_s: f64| {
+    let attributed = |name: &str, files: &Files| {
         let [points, setup, run] = ["points.csv", "setup.toml", name].map(|file| folder.path().join(file));
         std::fs::write(&points, files.text()).unwrap();
         std::fs::write(&setup, &files.setup).unwrap();
         trunnion::tables::import(trunnion::cycles::RunKind::Static, &points, &setup, &run).unwrap();
-        trunnion::attribute_run(&run, knot_s, false)
+        trunnion::attribute_run(&run, 1.0, false)
     };
     let mut files = Files::committed("points-gravity");
-    let refused = attributed("good.mcap", &files, 1.0).err().unwrap();
+    let refused = attributed("good.mcap", &files).err().unwrap();
     assert!(refused.to_string().contains("holds 0 axis positions"), "{refused}");
     files.change("dy_um", |um| -um);
-    let found = attributed("doubted.mcap", &files, 1.0).unwrap().findings;
+    let found = attributed("doubted.mcap", &files).unwrap().findings;
     assert!(found.plausibility[0].hypothesis.contains("sign of the readings dy reversed"), "{found:?}");
     assert!(found.values.is_empty() && found.notes[0].contains("Not evaluated: "), "{found:?}");
 }
