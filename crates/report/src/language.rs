@@ -1,8 +1,8 @@
 //! A page in another language: texts of finished markup are looked up in one table ([`table`]), whole or as a pattern.
 //!
 //! Headings, heads of tables, labels, units in words and verdicts have an entry; a test of the pages names one that has none.
-//! Sentences of the engine and of the catalogue stay English where they have none. Numbers keep the decimal point (ISO 80000-1
-//! allows it), names and ids stay as they are.
+//! So have all that the catalogue says and all that `check` says of the known mistakes, each with a test. Other sentences of the engine stay
+//! English where they have none. Numbers keep the decimal point (ISO 80000-1 allows it), names and ids stay as they are.
 
 mod table;
 
@@ -50,6 +50,7 @@ impl Language {
             .or_else(|| self.by_sentences(english))
             .or_else(|| self.by_items(english))
             .or_else(|| self.by_label(english))
+            .or_else(|| self.by_alternatives(english))
             .or_else(|| self.by_pattern(english))
             .or_else(|| self.by_parts(english))
             .or_else(|| self.by_axes(english))
@@ -128,6 +129,19 @@ impl Language {
         })
     }
 
+    /// Alternatives that all have an entry. Before the patterns: that of one would hold the others in its last hole.
+    fn by_alternatives(self, english: &str) -> Option<String> {
+        // A sentence with a clause of its own is none.
+        if english.ends_with('.') {
+            return None;
+        }
+        let or = if self == Self::Japanese { "、または" } else { " oder " };
+        english.match_indices(", or ").find_map(|(at, mark)| {
+            let (first, others) = (&english[..at], &english[at + mark.len()..]);
+            Some(self.say(first)? + or + &self.say(others)?)
+        })
+    }
+
     /// Axes in a row, `X, Y and Z`.
     fn by_axes(self, english: &str) -> Option<String> {
         let (others, last) = english.split_once(" and ")?;
@@ -166,8 +180,8 @@ fn is_name(part: &str) -> bool {
 /// What stands in the holes of a pattern; `None` where the text is not of it.
 fn holes<'t>(pattern: &str, text: &'t str) -> Option<Vec<&'t str>> {
     let parts: Vec<&str> = pattern.split(HOLE).collect();
-    // A label such as `{} back` holds a name; only a sentence, a list or a title with a remark holds one with commas.
-    let lists = pattern.contains(['.', ':', ',', '—']);
+    // A label such as `{} back` holds a name; only a sentence, a list or what has a remark holds one with commas.
+    let lists = pattern.contains(['.', ':', ',', '—', '(']);
     held(&parts[1..], text.strip_prefix(parts[0])?, lists)
 }
 
