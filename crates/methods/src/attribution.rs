@@ -14,10 +14,8 @@ mod motion;
 mod present;
 mod smooth;
 
-pub use motion::{Ideal, LeftOut, Motion};
-
 pub use error::AttributionError;
-pub use present::nothing_found;
+pub use motion::{Ideal, LeftOut, Motion};
 
 use crate::common::rounding::{ROUNDING_MM, without};
 use nalgebra::{Point3, Vector3};

@@ -7,7 +7,7 @@ use trunnion_core::{Joint, chain, names};
 use trunnion_cycles::Cycle;
 use trunnion_engine::ExperimentError;
 use trunnion_methods::Findings;
-use trunnion_methods::attribution::{self, Motion, attribute};
+use trunnion_methods::attribution::{Attribution, Motion, attribute};
 use trunnion_methods::notation::{Layout, Notation};
 use trunnion_methods::recipes::{self, Method, MethodOptions};
 use trunnion_methods::volumetric::{Datum, Volume, VolumeError, VolumetricMap};
@@ -203,7 +203,7 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
     let found = match (attribution, &recording.damage) {
         (Ok(attribution), _) => attribution.to_findings(),
         (Err(refused), _) if refused.is_of_runs() && doubted => {
-            not_evaluated(&refused, attribution::nothing_found(&run.name, &run.machine.name))
+            not_evaluated(&refused, Attribution::nothing_found(&run.name, &run.machine.name))
         }
         (Err(_), Some(damage)) => {
             return Err(Error::NothingLeft {

@@ -14,12 +14,13 @@ const DRAWN: usize = 3;
 /// Bins of a chart; two points of each are drawn, its lowest and highest.
 const BINS: usize = 300;
 
-/// The answer of a recording before anything is in it: also of one that cannot be judged.
-pub fn nothing_found(run: &str, machine: &str) -> Findings {
-    Findings::nothing_yet(["attribute", "S3 §3.1"], Convention::RightHanded, machine.into(), vec![run.into()])
-}
-
 impl Attribution {
+    /// The answer of a recording before anything is in it: also of one that cannot be judged.
+    pub fn nothing_found(run: &str, machine: &str) -> Findings {
+        let method = ["attribute", "S3 §3.1"];
+        Findings::nothing_yet(method, Convention::RightHanded, machine.into(), vec![run.into()])
+    }
+
     /// Values, table, charts and notes.
     pub fn to_findings(&self) -> Findings {
         Findings {
@@ -29,7 +30,7 @@ impl Attribution {
             tables: vec![self.table()],
             charts: self.charts(),
             notes: self.notes(),
-            ..nothing_found(&self.run, &self.machine)
+            ..Self::nothing_found(&self.run, &self.machine)
         }
     }
 
