@@ -49,19 +49,19 @@ const READERS: &[Reader] = &[
     Reader {
         name: "setup file",
         read: |bytes| {
-            drop(points_csv::import_files("r", ("p.csv", POINTS), ("s.toml", &text(bytes)), &shipped::machine))
+            drop(points_csv::import_files("r", ("p.csv", &FEW), ("s.toml", &text(bytes)), &machine))
         },
         seeds: || vec![SETUP.into()],
     },
     Reader {
         name: "points at rest",
         read: |bytes| table(RunKind::Static, bytes),
-        seeds: || vec![head(POINTS)],
+        seeds: || vec![FEW.clone().into()],
     },
     Reader {
         name: "points on the fly",
         read: |bytes| table(RunKind::OnTheFly, bytes),
-        seeds: || vec![head(POINTS)],
+        seeds: || vec![FEW.clone().into()],
     },
     Reader {
         name: "expression",
@@ -106,18 +106,24 @@ fuzz_target!(
     |data: &[u8]| (CHOSEN.read)(data)
 );
 
+/// The first rows: a short seed is changed everywhere, and little is read again at each execution.
+static FEW: LazyLock<String> =
+    LazyLock::new(|| POINTS.lines().take(6).flat_map(|line| [line, "\n"]).collect());
+
+/// The machine of the seeds, read once: files of machines have a row of their own.
+static MACHINE: LazyLock<Machine> = LazyLock::new(|| shipped::machine("table-bc").expect("a shipped machine"));
+
+fn machine(name: &str) -> Option<Machine> {
+    if name == MACHINE.name { Some(MACHINE.clone()) } else { shipped::machine(name) }
+}
+
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
 fn table(kind: RunKind, bytes: &[u8]) {
     let text = text(bytes);
-    drop(points_csv::visit_files(kind, "r", ("p.csv", &text), ("s.toml", SETUP), &shipped::machine, &mut |_, _, _| {}));
-}
-
-/// The first rows: a short seed is changed everywhere.
-fn head(table: &str) -> Vec<u8> {
-    table.lines().take(6).flat_map(|line| [line, "\n"]).collect::<String>().into()
+    drop(points_csv::visit_files(kind, "r", ("p.csv", &text), ("s.toml", SETUP), &machine, &mut |_, _, _| {}));
 }
 
 fn files(folders: &[&str]) -> Vec<Vec<u8>> {
@@ -138,7 +144,7 @@ fn journal(bytes: &[u8]) {
 fn read(name: &str, bytes: &[u8]) {
     let path = FOLDER.path().join(name);
     std::fs::write(&path, bytes).expect("a file");
-    drop(trunnion_record::read_run(&path, &shipped::machine));
+    drop(trunnion_record::read_run(&path, &machine));
 }
 
 /// A small recording, finished or as a kill leaves it.
@@ -146,9 +152,9 @@ fn written(is_finished: bool) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let run = points_csv::import_files(
         "r",
-        ("p.csv", &text(&head(POINTS))),
+        ("p.csv", &FEW),
         ("s.toml", SETUP),
-        &shipped::machine,
+        &machine,
     )
     .expect("points of the repository");
     let header = RunHeader { probes: vec!["px".into()], ..RunHeader::of_run(&run, "", "0.1.0", 0) };

@@ -1,7 +1,7 @@
 //! Small linear algebra of the scans.
 
 use nalgebra::DMatrix;
-use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Threads used for a scan.
 const WORKERS: usize = 2;
@@ -57,16 +57,19 @@ pub fn joined(first: &DMatrix<f64>, second: &DMatrix<f64>) -> DMatrix<f64> {
     all
 }
 
-/// `f(0..count)` on a few threads, results in order.
+/// `f(0..count)` on a few threads, results in order. Each takes the next one that is left: some take several times as long as others.
 pub fn parallel<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let share = count.div_ceil(WORKERS).max(1);
-    let chunks: Vec<Range<usize>> =
-        (0..count).step_by(share).map(|from| from..(from + share).min(count)).collect();
-    std::thread::scope(|scope| {
-        let handles: Vec<_> =
-            chunks.into_iter().map(|chunk| scope.spawn(|| chunk.map(&f).collect::<Vec<_>>())).collect();
+    let taken = AtomicUsize::new(0);
+    let work = || {
+        let next = std::iter::repeat_with(|| taken.fetch_add(1, Ordering::Relaxed));
+        next.take_while(|&i| i < count).map(|i| (i, f(i))).collect::<Vec<_>>()
+    };
+    let mut done: Vec<(usize, T)> = std::thread::scope(|scope| {
+        let handles: Vec<_> = (0..count.min(WORKERS)).map(|_| scope.spawn(work)).collect();
         handles.into_iter().flat_map(|h| h.join().expect("a worker panics only on a defect")).collect()
-    })
+    });
+    done.sort_by_key(|(i, _)| *i);
+    done.into_iter().map(|(_, value)| value).collect()
 }
 
 #[cfg(test)]
