@@ -241,6 +241,19 @@ pub enum Error {
         /// What is missing, with the values that act on it.
         lacks: String,
     },
+    /// Runs to predict in which an effect of the model cannot be looked at.
+    #[error(
+        "{run} cannot be predicted: {effect} of the model is out of reach of it. It {why}. Predict a run that has that, or fit a \
+         model without {effect}"
+    )]
+    NoShare {
+        /// The runs.
+        run: String,
+        /// Id of the effect.
+        effect: String,
+        /// What the runs lack, e.g. `needs time stamps`.
+        why: String,
+    },
     /// A model file without values to predict with.
     #[error(
         "the model file keeps no values of its effects: {why}; keep them with \

@@ -12,11 +12,12 @@
 use crate::values::fitted_run;
 use crate::{Error, Experiment, Fit, Model};
 use nalgebra::{DMatrix, DVector};
+use trunnion_core::Twist;
 use trunnion_core::convert::{mm_from_um, um_from_mm};
 use trunnion_core::number::plain;
 use trunnion_core::statistics::COVERAGE_95;
 use trunnion_cycles::Run;
-use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, ModelEffect, Parameter};
+use trunnion_effects::{self as effects, FittedValue, FittedValues, Instance, ModelEffect, Need, Parameter};
 use trunnion_engine::fit::Options;
 use trunnion_engine::{HeldOut, Identification, IdentifyError, Status};
 use trunnion_results as results;
@@ -86,15 +87,33 @@ impl Model {
     }
 }
 
-/// An effect of an axis that does not move in these runs has a value there that they do not ask for: which part of it a setting takes up, nobody
-/// can say.
-fn within_reach(instance: &Instance, experiment: &trunnion_engine::Experiment) -> Result<(), Error> {
+/// Whether an effect has a share in these runs that can be predicted: not one of speed in runs at rest.
+///
+/// # Errors
+/// An effect that acts in these runs and has no parameter there. One of an axis that rests has a value that they do not ask for: which part of it
+/// a setting takes up, nobody can say.
+fn has_a_share(
+    instance: &Instance,
+    shape: &[f64],
+    experiment: &trunnion_engine::Experiment,
+) -> Result<bool, Error> {
     let scene = &experiment.scene;
-    let rests = matches!(instance.subject(), effects::Subject::Axis(joint) if !scene.moves(joint));
-    if rests && instance.parameters(scene).is_empty() {
-        return Err(IdentifyError::out_of_reach(instance, scene).into());
+    if !instance.parameters(scene).is_empty() {
+        return Ok(true);
     }
-    Ok(())
+    let mut moved = false;
+    for point in &experiment.points {
+        instance.motions(scene, shape, &point.state, &mut |_, _, twist| moved |= twist != Twist::default());
+    }
+    let is_of_speed = |need: &Need| matches!(need, Need::OnTheFly | Need::ChangingSpeed);
+    if !moved && instance.missing(scene).iter().any(is_of_speed) {
+        return Ok(false);
+    }
+    Err(Error::NoShare {
+        run: experiment.runs.join(", "),
+        effect: instance.id(),
+        why: instance.out_of_reach(scene).unwrap_or_else(|| "has no parameter here".into()),
+    })
 }
 
 /// A value that acts in these runs on what they do not hold, the temperature of a sensor for example: without it the prediction is that of another
@@ -259,10 +278,12 @@ impl<'v> Frozen<'v> {
         for entry in &model.effects {
             let instance =
                 Instance::from_model_effect(entry, experiment.machine()).map_err(IdentifyError::from)?;
-            within_reach(&instance, experiment)?;
             has_what_is_kept(entry, values, &instance, experiment)?;
             let fitted_shape = values.shapes.iter().find(|(id, _)| *id == entry.id).map(|(_, shape)| shape);
             let shape = fitted_shape.unwrap_or(&entry.shape).clone();
+            if !has_a_share(&instance, &shape, experiment)? {
+                continue;
+            }
             let columns = experiment.columns(&instance, &shape);
             let mut frozen_entry = ModelEffect { shape, fixed: vec![], prior: vec![], ..entry.clone() };
             for (j, parameter) in instance.parameters(&experiment.scene).into_iter().enumerate() {

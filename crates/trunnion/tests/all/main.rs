@@ -21,6 +21,7 @@ mod lone_readings;
 mod losses;
 mod mistakes;
 mod nest;
+mod no_share;
 mod one_answer;
 mod other_machine;
 mod periods;
