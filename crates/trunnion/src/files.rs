@@ -5,11 +5,12 @@ mod text;
 
 use crate::Error;
 pub(crate) use holds::{Holds, not_lost};
+use std::cell::RefCell;
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
-use trunnion_core::names;
+use trunnion_core::{Problems, names};
 use trunnion_machine::{Machine, shipped};
 
 /// A machine file by path, or a shipped machine by name.
@@ -33,6 +34,28 @@ pub fn machine(name: &str) -> Result<Machine, Error> {
 pub fn beside(file: &Path, machine: &str) -> String {
     let near = file.with_file_name(machine);
     if machine.ends_with(".toml") && near.is_file() { near.display().to_string() } else { machine.into() }
+}
+
+/// Reads what names its machine in a setup file: a machine file next to that one that is wrong is the error, not a name that nobody knows.
+///
+/// # Errors
+/// The problems of the machine file; else those of what is read.
+pub fn with_machines<T>(
+    setup: &Path,
+    read: impl FnOnce(&dyn Fn(&str) -> Option<Machine>) -> Result<T, Problems>,
+) -> Result<T, Error> {
+    let wrong = RefCell::new(None);
+    let read = read(&|name| match machine(&beside(setup, name)) {
+        Ok(machine) => Some(machine),
+        Err(error) => {
+            wrong.replace(matches!(error, Error::Problems(_)).then_some(error));
+            None
+        }
+    });
+    match wrong.into_inner() {
+        Some(error) => Err(error),
+        None => Ok(read?),
+    }
 }
 
 /// The text of a machine by the name or path in a file, for the recording.

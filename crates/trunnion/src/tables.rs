@@ -41,22 +41,18 @@ pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Resu
         }
         count += 1;
     };
-    let read = points_csv::visit_files(
-        kind,
-        &name,
-        (&points_file, &points_text),
-        (&setup_file, &setup_text),
-        &|machine| files::machine(&files::beside(setup, machine)).ok(),
-        &mut on_row,
-    );
+    let read = files::with_machines(setup, |machine| {
+        let (points, setup) = ((&*points_file, &*points_text), (&*setup_file, &*setup_text));
+        points_csv::visit_files(kind, &name, points, setup, machine, &mut on_row)
+    });
     match (read, writer) {
         (Ok(run), Some(writer)) => writer?.finish().map(|_| (run, count)).map_err(not_written),
         (Ok(run), None) => Ok((run, count)),
-        (Err(problems), writer) => {
+        (Err(error), writer) => {
             if let Some(Ok(writer)) = writer {
                 writer.discard().map_err(not_written)?;
             }
-            Err(problems.into())
+            Err(error)
         }
     }
 }

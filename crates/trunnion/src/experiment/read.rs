@@ -9,7 +9,7 @@ use trunnion_core::Gap;
 use trunnion_cycles::Run;
 use trunnion_engine::plausibility::{Implausible, PositionDigits, Rounded, clock_doubt};
 use trunnion_machine::NamePlate;
-use trunnion_record::Damage;
+use trunnion_record::{Damage, points_csv};
 use trunnion_results as results;
 use trunnion_sync::SampleCounts;
 use trunnion_sync::blocks::Limits;
@@ -72,12 +72,10 @@ pub fn read_points(points: &Path, setup: &Path) -> Result<Run, Error> {
     let folder = points.parent().and_then(Path::file_name).map(|name| name.to_string_lossy());
     let name = folder.filter(|_| stem == "points").unwrap_or(stem);
     let (setup_text, points_text) = (files::read(setup)?, files::read_table(points)?);
-    Ok(trunnion_record::points_csv::import_files(
-        &name,
-        (&points.display().to_string(), &points_text),
-        (&setup.display().to_string(), &setup_text),
-        &|machine| files::machine(machine).ok(),
-    )?)
+    let (points_file, setup_file) = (points.display().to_string(), setup.display().to_string());
+    files::with_machines(setup, |machine| {
+        points_csv::import_files(&name, (&points_file, &points_text), (&setup_file, &setup_text), machine)
+    })
 }
 
 /// What is known of one file apart from its points.

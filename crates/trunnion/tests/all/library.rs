@@ -152,3 +152,29 @@ fn a_wave_along_an_axis_is_in_the_comparison_its_text_and_its_page() {
         assert!(surface.contains("X: a wave of"), "{surface}");
     }
 }
+
+/// A machine file that is wrong is no name that nobody knows: its line is said, and what is allowed there.
+#[test]
+fn a_wrong_machine_file_next_to_the_points_is_named_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let of_points =
+        |name: &str| std::fs::read_to_string(committed("points-gravity").with_file_name(name)).unwrap();
+    let setup = of_points("setup.toml").replace("\"table-bc\"", "\"mine.toml\"");
+    let machine =
+        trunnion::files::machine_text("table-bc").unwrap().replacen("sense = 1\n", "sense = 3\n", 1);
+    for (name, text) in
+        [("points.csv", of_points("points.csv")), ("setup.toml", setup), ("mine.toml", machine)]
+    {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let [points, setup, output] =
+        ["points.csv", "setup.toml", "run.mcap"].map(|name| folder.path().join(name));
+    let opened = trunnion::open(&points).err().unwrap().to_string();
+    let imported = trunnion::tables::import(trunnion::cycles::RunKind::Static, &points, &setup, &output)
+        .err()
+        .unwrap()
+        .to_string();
+    for why in [opened, imported] {
+        assert!(why.contains("mine.toml:") && why.contains("sense = 3"), "{why}");
+    }
+}
