@@ -22,7 +22,7 @@ use std::process::ExitCode;
 
 /// Finds out why a five-axis machine tool is not accurate.
 #[derive(Parser)]
-#[command(name = "trunnion", version, max_term_width = 100)]
+#[command(name = "trunnion", version, max_term_width = 80)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
