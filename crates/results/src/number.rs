@@ -28,9 +28,9 @@ pub fn unit_on_screen(unit: &str) -> String {
         .replace("^2", "²")
 }
 
-/// Decimals of two digits of a standard uncertainty.
+/// Decimals of two digits of a standard uncertainty. What rounds to the next power of ten has its digits: 0.0996 is 0.10.
 pub fn decimals_of_u(u: f64) -> usize {
-    (1.0 - u.log10().floor()).clamp(0.0, 6.0) as usize
+    (1.0 - (u / 0.995).log10().floor()).clamp(0.0, 6.0) as usize
 }
 
 /// [`plain`] in a sentence that does not say `u`: no digit that u does not justify.
@@ -117,6 +117,7 @@ mod tests {
         assert_eq!((justified(-7.9e-4, 0.3), justified(-7.9e-4, 1e-5)), ("0.00".into(), "−0.000790".into()));
         assert_eq!((justified(61.16, 0.021), justified(61.16, f64::NAN)), ("61.2".into(), "61.2".into()));
         assert_eq!(value_and_u(Some(13.5975), Some(0.213), "um"), ("13.60 µm".into(), "0.21 µm".into()));
+        assert_eq!(value_and_u(Some(2.926), Some(0.0996), "um"), ("2.93 µm".into(), "0.10 µm".into()));
         assert_eq!(value_and_u(None, None, "um").0, "not observable");
         assert_eq!(value_and_u(Some(3.0), None, "1").0, "3.00");
         // Nothing that is written as zero has a sign.

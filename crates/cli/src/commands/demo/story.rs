@@ -4,7 +4,7 @@ use std::path::Path;
 use trunnion::Analysed;
 use trunnion::report::ladder_text;
 use trunnion::results::Verdict;
-use trunnion::results::number::um;
+use trunnion::results::number::{fixed, um};
 use trunnion::results::sentences::{ALL_CLEAR, repeatability};
 use trunnion_hil_sim::VirtualMachine;
 use trunnion_hil_sim::physics::hidden;
@@ -94,9 +94,10 @@ pub(super) fn truth_text(machine: &VirtualMachine, analysed: &Analysed, path: &P
         let name = error.name();
         let (scale, unit) = if error.direction.is_rotary() { (1e6, "µrad") } else { (1e3, "µm") };
         let fitted = fit.parameter(&name);
-        let value = fitted.and_then(|p| p.value).map_or("   unseen".into(), |v| format!("{v:9.2}"));
-        let u = fitted.and_then(|p| p.u).map_or(String::new(), |u| format!("{u:9.2}"));
-        text += &format!("  {name:14} {:>12.2}  {value}  {u} {unit}\n", error.of(&truth.location) * scale);
+        let value = fitted.and_then(|p| p.value).map_or("unseen".into(), |value| fixed(value, 2));
+        let u = fitted.and_then(|p| p.u).map_or(String::new(), |u| fixed(u, 2));
+        let true_value = fixed(error.of(&truth.location) * scale, 2);
+        text += &format!("  {name:14} {true_value:>12}  {value:>9}  {u:>9} {unit}\n");
     }
     text
 }

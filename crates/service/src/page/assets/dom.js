@@ -49,7 +49,7 @@ function decimalsOf(value) {
   return size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.0995 || size === 0 ? 2 : size >= 0.00995 ? 3 : 4;
 }
 
-const decimalsOfU = (u) => Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u))));
+const decimalsOfU = (u) => Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(u / 0.995))));
 
 // Digits beyond which a number that is no tie differs from one.
 const DIGITS = 40;
