@@ -43,6 +43,7 @@ fn empty_sweeps_keep_their_samples_and_leave_the_noise_at_every_feed_and_radius(
             let answer = (feeds.len() == 1).then(|| fit.diagnose().unwrap().results());
             let is_blamed = answer.as_ref().is_some_and(|answer| {
                 matches!(answer.verdict, Verdict::MissingEffect | Verdict::UnnamedStructure)
+                    || !answer.candidates.is_empty()
             });
             let row = format!(
                 "| {} | {radius_mm:.0} | {seed} | {} | {:.1} % | {:.2} ms | {excluded} | {} | {rms_um:.2} µm | {} |\n",

@@ -115,6 +115,8 @@ fn main() -> anyhow::Result<()> {
     }
     let folder = tempfile::tempdir().context("cannot make a folder for ports and recording")?;
     let place = args.keep.clone().unwrap_or_else(|| folder.path().join("runs"));
+    // The service reads paths from the folder of its configuration.
+    let place = std::path::absolute(&place).with_context(|| format!("no folder {}", place.display()))?;
     std::fs::create_dir_all(&place).with_context(|| format!("cannot make {}", place.display()))?;
     if args.flood {
         std::process::exit(flood::run(args.seconds, &place, args.markdown.as_deref())?);
