@@ -2,7 +2,8 @@
 //!
 //! A quartz does not jump; a clock that is set, a counter that wraps wrongly or a device that restarts does. After a jump
 //! forward readings seem to arrive before they were taken; after a jump back all of them are late by the same time and stay
-//! so. Either begins a new line. A hiccup of the host is neither: what was held up arrives at once.
+//! so. Either begins a new line. A hiccup of the host is neither: what was held up arrives at once. Nor is a queue that a busy host does not
+//! empty for seconds: the clock of the device went on as usual when the lateness began.
 
 use super::{ClockLine, Translation};
 use trunnion_core::HostTime;
@@ -35,8 +36,25 @@ pub struct ClockTrack {
     window_s: f64,
     line: ClockLine,
     begun: Option<HostTime>,
-    last: Option<HostTime>,
+    last: Option<Last>,
     late: Option<Late>,
+    /// Whether readings are late because they wait.
+    is_queue: bool,
+}
+
+/// The reading before, and how far the clock went on to it, ticks.
+#[derive(Clone, Copy, Debug)]
+struct Last {
+    ticks: u64,
+    arrival: HostTime,
+    step: i64,
+}
+
+impl Last {
+    /// Whether a clock that went on by `step` went on about as far as before: it was not set, and nothing is missing between.
+    fn is_usual(&self, step: i64) -> bool {
+        2 * step >= self.step && 2 * step <= 3 * self.step && step > 0
+    }
 }
 
 /// Readings that are all late: the line they make if the clock was set back.
@@ -53,13 +71,16 @@ impl ClockTrack {
     /// As [`ClockLine::new`].
     pub fn new(tick_s: f64, window_s: f64) -> Self {
         let line = ClockLine::new(tick_s, window_s);
-        Self { tick_s, window_s, line, begun: None, last: None, late: None }
+        Self { tick_s, window_s, line, begun: None, last: None, late: None, is_queue: false }
     }
 
     /// Takes an arrival; reports when it shows that the clock was reset.
     pub fn push(&mut self, ticks: u64, arrival: HostTime) -> Option<Jump> {
         let begun = *self.begun.get_or_insert(arrival);
-        let before = self.last.replace(arrival).unwrap_or(arrival);
+        let last = self.last;
+        let step = last.map_or(0, |last| ticks.wrapping_sub(last.ticks) as i64);
+        self.last = Some(Last { ticks, arrival, step });
+        let before = last.map_or(arrival, |last| last.arrival);
         let late_ns = self.line.to_host(ticks).map_or(0, |by_line| arrival.0 - by_line.0);
         let settled = arrival.0 - begun.0 >= SETTLED_NS;
         if settled && late_ns < -JUMP_NS {
@@ -69,7 +90,11 @@ impl ClockTrack {
             self.line.push(ticks, arrival);
             return Some(jump);
         }
-        if settled && late_ns > JUMP_NS {
+        let is_late = settled && late_ns > JUMP_NS;
+        let begins_as_usual = self.late.is_none() && last.is_some_and(|last| last.is_usual(step));
+        // Of a queue that loses readings the steps differ; a clock that runs back was set.
+        self.is_queue = is_late && step > 0 && (self.is_queue || begins_as_usual);
+        if is_late && !self.is_queue {
             return self.push_late(ticks, arrival, before, late_ns);
         }
         self.late = None;
@@ -153,5 +178,17 @@ mod tests {
         assert!(jumps.is_empty() && error.abs() < 1e-6);
         let (jumps, _) = run(60, |_| 0);
         assert!(jumps.is_empty(), "below what a queue can do");
+    }
+
+    #[test]
+    fn a_queue_that_is_not_emptied_for_seconds_is_no_jump() {
+        for held_ms in [150, 300, 900] {
+            let (jumps, error) = run(0, |k| if k >= 3000 { held_ms } else { 0 });
+            assert!(jumps.is_empty() && error.abs() < 1e-6, "{held_ms}: {jumps:?}, {error}");
+        }
+        // A clock that is set back while readings wait: what they wait is in its line until the queue is empty.
+        let (jumps, error) = run(-400, |k| if (4000..9000).contains(&k) { 200 } else { 0 });
+        let by_s: f64 = jumps.iter().map(|jump| jump.by_s).sum();
+        assert!((by_s + 0.4).abs() < 1e-6 && error.abs() < 1e-6, "{jumps:?}, {error}");
     }
 }
