@@ -80,14 +80,11 @@ pub async fn serve_on(
     board: Board,
     analyst: Analyst,
 ) -> Result<(), ServiceError> {
-    // What cannot be written yet may be a disk that is not mounted: each cycle tries, and says what is wrong.
+    // What cannot be written yet may be a disk that is not mounted: who watches the disk tries again, and says what is wrong.
     let lock = match FolderLock::take(&config.recordings) {
         Ok(lock) => Some(lock),
         Err(held @ LockError::Held { .. }) => return Err(held.into()),
-        Err(refused) => {
-            warn!("{}", chain(&refused));
-            None
-        }
+        Err(LockError::Io { .. }) => None,
     };
     let states = States::new(board.clone());
     let page_analyst = PageAnalyst::new(analyst.clone(), config.analysis, clock.clone());

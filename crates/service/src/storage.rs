@@ -10,6 +10,7 @@ mod space;
 mod today;
 
 pub use config::StorageConfig;
+pub(crate) use lock::try_writing;
 pub use lock::{FolderLock, LockError};
 pub use retention::Removed;
 pub(crate) use space::free_mb;

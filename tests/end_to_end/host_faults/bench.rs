@@ -29,6 +29,8 @@ pub struct Bench {
     folder: PathBuf,
     pub service: Option<Service>,
     pub broker: Broker,
+    /// Bytes of the broker that were looked at.
+    published: usize,
     cell: Cell,
     /// What systemd would have heard and nobody took.
     systemd: Arc<Mutex<String>>,
@@ -50,6 +52,32 @@ impl Bench {
         command.args(["--map-root-user", "--mount", "sh", "-c", &script, env!("CARGO_BIN_EXE_trunnion")]);
         command.arg(self.folder.join("runs")).arg(self.folder.join("trunnion.toml"));
         self.start_by(&mut command);
+    }
+
+    /// The same where `runs` cannot be written, until [`Self::make_writable`].
+    pub fn start_on_a_read_only_disk(&mut self) {
+        let script = "mount --bind -o ro \"$1\" \"$1\" && exec \"$0\" daemon --config \"$2\"";
+        let mut command = Command::new("unshare");
+        command.args(["--map-root-user", "--mount", "sh", "-c", script, env!("CARGO_BIN_EXE_trunnion")]);
+        command.arg(self.folder.join("runs")).arg(self.folder.join("trunnion.toml"));
+        self.start_by(&mut command);
+    }
+
+    /// The disk of the service can be written.
+    pub fn make_writable(&self) {
+        let Service(process) = self.service.as_ref().unwrap();
+        let mut command = Command::new("nsenter");
+        command.args(["--preserve-credentials", "--user", "--mount", "--target", &process.id().to_string()]);
+        command.args(["mount", "-o", "remount,bind,rw"]).arg(self.folder.join("runs"));
+        assert!(command.status().unwrap().success(), "{command:?}");
+    }
+
+    /// Waits until the broker gets these words, after those that were waited for before.
+    pub fn publishes(&mut self, words: &str) {
+        self.published += until(words, || {
+            let since = String::from_utf8_lossy(&self.broker.sent()[self.published..]).into_owned();
+            since.find(words).map(|at| at + words.len())
+        });
     }
 
     /// The same with a clock that can be set and a disk that can hang, as faults of this program alone, and somebody who listens as systemd does.
@@ -185,7 +213,8 @@ pub async fn judge(fault: &'static Fault) -> Result<(), Wrong> {
     std::fs::write(path.join("c.toml"), cycle).unwrap();
     std::fs::write(path.join("trunnion.toml"), shop::config(&path, "runs", &shop::agent(&url), &mqtt))
         .unwrap();
-    let mut bench = Bench { folder: path, service: None, broker, cell, systemd: Arc::default() };
+    let mut bench =
+        Bench { folder: path, service: None, broker, published: 0, cell, systemd: Arc::default() };
     let judging = tokio::task::spawn_blocking(move || {
         let judged = catch_unwind(AssertUnwindSafe(|| judged(&mut bench, fault)));
         bench.service = None;

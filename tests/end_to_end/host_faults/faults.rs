@@ -88,6 +88,27 @@ pub const FAULTS: &[Fault] = &[
         },
     },
     Fault {
+        name: "read-only",
+        how: "killed in mid-cycle; the disk is mounted read-only at the next start, and writable again later; then started again",
+        says: &["cannot write into the folder", "of the recordings can be written again"],
+        gap: None,
+        ends: &[Done, NotJudged],
+        recovery: "`failing` and not ready, with the reason, until it can be written, which is tried every second; what the kill left is recovered at the next start",
+        run: |bench| {
+            bench.start();
+            bench.recording();
+            bench.kill();
+            bench.start_on_a_read_only_disk();
+            bench.publishes("recordings: cannot write into the folder");
+            bench.publishes("\"state\":\"failing\"");
+            bench.make_writable();
+            bench.says("can be written again");
+            bench.publishes("\"state\":\"good\"");
+            bench.kill();
+            bench.start();
+        },
+    },
+    Fault {
         name: "folder removed",
         how: "`rm -r` of the folder of the recordings in mid-cycle",
         says: &["is not there any more", "recording goes on in a new file"],

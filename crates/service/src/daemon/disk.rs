@@ -5,14 +5,14 @@ use crate::board::Board;
 use crate::cycles::Choice;
 use crate::latest::Latest;
 use crate::plant::topic;
-use crate::storage::{FolderLock, LockError, Need, Removed, Room, Storage, Tidied, WallClock};
+use crate::storage::{FolderLock, LockError, Need, Removed, Room, Storage, Tidied, WallClock, try_writing};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
 use tracing::{error, info, warn};
 use trunnion::cycles::Pace;
 use trunnion::results::{Published, SamplesRemoved, StorageNow, StorageState};
-use trunnion_core::Clock;
+use trunnion_core::{Clock, chain};
 use trunnion_record::RecorderStatus;
 
 /// How often the recorder is looked at.
@@ -41,6 +41,8 @@ struct Known {
     short: Option<Need>,
     low: bool,
     doubt: Option<String>,
+    /// Why the folder cannot be written.
+    refused: Option<String>,
 }
 
 impl Disk {
@@ -55,19 +57,46 @@ impl Disk {
         Self { storage, latest, board, clock: WallClock::start(clock), known, taken }
     }
 
-    /// Takes the folder again that was removed, or could not be written, and is there now.
-    fn take_again(&self) {
+    /// [`Self::take_again`] where the disk may be slow.
+    async fn is_taken_otherwise(self) -> bool {
+        tokio::task::spawn_blocking(move || self.take_again()).await.unwrap_or_else(|_| {
+            error!("the folder was not locked; this is a defect of the program");
+            false
+        })
+    }
+
+    /// Takes the folder again that was removed, or could not be written. True, and logged, where whether it can be written has changed.
+    fn take_again(&self) -> bool {
+        let taken = self.take();
+        let why = taken.as_ref().err().map(|refused| chain(refused));
+        if std::mem::replace(&mut self.lock().refused, why.clone()) == why {
+            return false;
+        }
+        match &taken {
+            Ok(()) => {
+                info!(
+                    "the folder {} of the recordings can be written again",
+                    self.storage.folder().display()
+                );
+            }
+            Err(held @ LockError::Held { .. }) => error!("two services write there: {held}"),
+            Err(refused @ LockError::Io { .. }) => warn!("{}", chain(refused)),
+        }
+        true
+    }
+
+    /// Tries whether the folder is ours and can be written.
+    fn take(&self) -> Result<(), LockError> {
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
         let folder = self.storage.folder();
-        if !folder.is_dir() || taken.as_ref().is_some_and(FolderLock::is_in_place) {
-            return;
+        // The recorder makes a folder again that was removed.
+        if taken.is_some() && !folder.is_dir() {
+            return Ok(());
         }
-        match FolderLock::take(folder) {
-            Ok(again) => *taken = Some(again),
-            Err(held @ LockError::Held { .. }) => error!("two services write there: {held}"),
-            // The recorder says what is wrong with the folder.
-            Err(refused @ LockError::Io { .. }) => tracing::debug!(%refused, "the folder is not locked"),
+        if !taken.as_ref().is_some_and(FolderLock::is_in_place) {
+            *taken = Some(FolderLock::take(folder)?);
         }
+        try_writing(folder)
     }
 
     /// Makes room for a cycle.
@@ -116,17 +145,16 @@ impl Disk {
                 _ = period.tick() => {}
             }
             let now = self.latest.recorder().unwrap_or_default();
-            let fails = now.failing.is_some() || self.board.hung().contains_key(RECORDER);
+            let is_refused = self.lock().refused.is_some();
+            let fails = is_refused || now.failing.is_some() || self.board.hung().contains_key(RECORDER);
             let is_news = (&now.failing, now.lost_samples) != (&before.failing, before.lost_samples)
                 || fails != self.is_shown_failing();
             let is_set = (self.clock.set_s() - set_s).abs() > WallClock::SET.as_secs_f64();
             let is_time = looks.is_multiple_of(TIDY_EVERY) && now.failing.is_none();
-            if is_news || is_time || is_set {
+            let is_due = is_news || is_time || is_set;
+            let is_other = (is_due || is_refused) && self.clone().is_taken_otherwise().await;
+            if is_due || is_other {
                 before = now;
-                let this = self.clone();
-                if tokio::task::spawn_blocking(move || this.take_again()).await.is_err() {
-                    error!("the folder was not locked; this is a defect of the program");
-                }
                 self.tidy().await;
                 self.report(&before).await;
             }
@@ -169,7 +197,8 @@ impl Disk {
             }
         };
         let hung = self.board.hung().remove(RECORDER).map(|why| format!("{RECORDER} hangs: {why}"));
-        let (state, why) = match (recorder.failing.clone().or(hung), short) {
+        let refused = self.lock().refused.clone();
+        let (state, why) = match (recorder.failing.clone().or(hung).or(refused), short) {
             (Some(failing), _) => (StorageState::Failing, Some(failing)),
             (None, Some(short)) => (StorageState::Low, Some(self.report_low(short))),
             (None, None) => (StorageState::Good, None),
@@ -251,6 +280,31 @@ mod tests {
         let failing = RecorderStatus { failing: Some("no space".into()), ..RecorderStatus::default() };
         disk.report(&failing).await;
         assert_eq!(state(&board), (StorageState::Failing, "no space".into()));
+    }
+
+    #[tokio::test]
+    async fn a_folder_that_cannot_be_written_fails_until_it_can() {
+        let root = tempfile::tempdir().unwrap();
+        // A file where the folder should be refuses every user, root as well.
+        let (place, folder) = (root.path().join("disk"), root.path().join("disk/runs"));
+        std::fs::write(&place, "").unwrap();
+        let (disk, board) = disk(&folder, 0.0);
+        assert!(disk.take_again(), "that is news");
+        assert!(!disk.take_again(), "it is none any more");
+        disk.report(&RecorderStatus::default()).await;
+        let (now, why) = state(&board);
+        assert_eq!(now, StorageState::Failing);
+        assert!(why.starts_with(&format!("cannot write into the folder {}", folder.display())), "{why}");
+        std::fs::remove_file(&place).unwrap();
+        assert!(disk.take_again(), "it can be written");
+        disk.report(&RecorderStatus::default()).await;
+        assert_eq!(state(&board), (StorageState::Good, String::new()));
+        // The lock is in place, and nothing else can be written.
+        let tried = folder.join(".trunnion.try");
+        std::fs::create_dir(&tried).unwrap();
+        assert!(disk.take_again());
+        disk.report(&RecorderStatus::default()).await;
+        assert_eq!(state(&board).0, StorageState::Failing);
     }
 
     #[tokio::test]

@@ -13,9 +13,12 @@ pub(super) fn health<'a>(
 ) -> Health {
     let mut parts = BTreeMap::from([
         ("devices".to_owned(), of_devices(devices)),
-        ("recorder".to_owned(), of_topic(board, "storage", "failing", Condition::Failing)),
-        ("disk".to_owned(), of_topic(board, "storage", "low", Condition::Limited)),
-        ("analysis".to_owned(), of_topic(board, "result", "failed", Condition::Limited)),
+        ("recorder".to_owned(), of_topic(board, "storage", &[("failing", Condition::Failing)])),
+        (
+            "disk".to_owned(),
+            of_topic(board, "storage", &[("failing", Condition::Failing), ("low", Condition::Limited)]),
+        ),
+        ("analysis".to_owned(), of_topic(board, "result", &[("failed", Condition::Limited)])),
         ("service".to_owned(), of_hung(board)),
     ]);
     // Measuring goes on without them.
@@ -56,12 +59,13 @@ fn condition(state: DeviceState) -> Condition {
     }
 }
 
-/// A part that is bad when its topic says so.
-fn of_topic(board: &Board, topic: &str, bad: &str, how: Condition) -> PartHealth {
-    match board.get(topic) {
-        Some(now) if now["state"] == bad => PartHealth::new(how, now["why"].as_str().unwrap_or_default()),
-        _ => PartHealth::default(),
-    }
+/// A part that is bad when its topic says one of these states.
+fn of_topic(board: &Board, topic: &str, bad: &[(&str, Condition)]) -> PartHealth {
+    let now = board.get(topic).unwrap_or_default();
+    let how = bad.iter().find(|(state, _)| now["state"] == *state);
+    how.map_or_else(PartHealth::default, |&(_, how)| {
+        PartHealth::new(how, now["why"].as_str().unwrap_or_default())
+    })
 }
 
 /// Parts of the service itself: one that hangs does not do its work.
@@ -102,7 +106,9 @@ mod tests {
         assert_eq!(of(&board).parts["analysis"], PartHealth::new(Condition::Limited, "out of memory"));
         board.set("storage", &json!({ "state": "failing", "why": "no space is left" }));
         assert_eq!(of(&board).state, Condition::Failing);
-        assert_eq!(of(&board).parts["recorder"].why, "no space is left");
+        for part in ["recorder", "disk"] {
+            assert_eq!(of(&board).parts[part].why, "no space is left");
+        }
 
         board.set("storage", &json!({ "state": "good" }));
         board.set_hung("the recorder", Some("it has done nothing for 30 s".into()));

@@ -3,14 +3,17 @@
 use super::health::health;
 use super::states::States;
 use crate::board::Board;
-use crate::latest::{Latest, Readiness};
+use crate::latest::{Latest, NotReady, Readiness};
+use crate::plant::topic;
 use sd_notify::NotifyState;
 use std::collections::BTreeMap;
 use std::time::Duration;
 use tokio::sync::watch;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
-use trunnion::results::{DeviceNow, Presence, ReadyNow, ServiceStatus};
+use trunnion::results::{
+    DeviceNow, Presence, Published, ReadyNow, ServiceStatus, StorageNow, StorageState, Zone,
+};
 use trunnion_acquire::DeviceStatus;
 
 /// Time between status messages.
@@ -71,7 +74,8 @@ pub async fn publish_live(latest: Latest, needed: Vec<u16>, board: Board, cancel
             () = cancel.cancelled() => return,
             _ = period.tick() => {}
         }
-        if let Some(why) = readiness.changed(latest.before_a_cycle(&needed)) {
+        let before = latest.before_a_cycle(&needed).map(|devices| [devices, not_written(&board)].concat());
+        if let Some(why) = readiness.changed(before) {
             match why.is_empty() {
                 true => tracing::info!("every channel of the cycle reads and is at its centre"),
                 false => why.iter().for_each(|why| tracing::warn!("not ready for a cycle: {why}")),
@@ -83,6 +87,13 @@ pub async fn publish_live(latest: Latest, needed: Vec<u16>, board: Board, cancel
     }
 }
 
+/// A cycle that cannot be written stands against the next one.
+fn not_written(board: &Board) -> Vec<NotReady> {
+    let storage: StorageNow = topic(board, StorageNow::TOPIC).unwrap_or_default();
+    let why = storage.why.filter(|_| storage.state == StorageState::Failing);
+    why.map(|why| NotReady { source: "recordings".into(), zone: Zone::NoValue, why }).into_iter().collect()
+}
+
 /// Notifies systemd, where there is one; one that does not take it holds a thread of its own.
 pub(super) fn notify_systemd(state: NotifyState<'static>) -> JoinHandle<()> {
     tokio::task::spawn_blocking(move || match (sd_notify::notify(std::slice::from_ref(&state)), state) {
@@ -91,4 +102,20 @@ pub(super) fn notify_systemd(state: NotifyState<'static>) -> JoinHandle<()> {
         (Err(failure), NotifyState::Ready) => tracing::warn!(%failure, "systemd was not notified"),
         (Err(failure), _) => tracing::debug!(%failure, "systemd was not notified"),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recordings_that_cannot_be_written_stand_against_a_cycle() {
+        let board = Board::default();
+        assert_eq!(not_written(&board), []);
+        let storage = |state| StorageNow { state, why: Some("read-only".into()), ..StorageNow::default() };
+        board.publish(&storage(StorageState::Low));
+        assert_eq!(not_written(&board), [], "it is recorded");
+        board.publish(&storage(StorageState::Failing));
+        assert_eq!(not_written(&board)[0].to_string(), "recordings: read-only");
+    }
 }

@@ -1,11 +1,13 @@
 //! One writer for each folder: two services would recover each other's journals and tidy each other's runs.
 
 use std::fs::{File, TryLockError};
-use std::io::{Read, Seek, Write};
+use std::io::{ErrorKind, Read, Seek, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 const NAME: &str = ".trunnion.lock";
+/// Of a file that is there for a moment, to see whether one can be.
+const TRIED: &str = ".trunnion.try";
 
 /// Held while this process writes into a folder; released with it, however it ends.
 #[derive(Debug)]
@@ -75,6 +77,20 @@ impl FolderLock {
         self.file
             .metadata()
             .is_ok_and(|ours| there.is_ok_and(|there| (ours.dev(), ours.ino()) == (there.dev(), there.ino())))
+    }
+}
+
+/// Makes a file in the folder and removes it: a disk may have become read-only since the folder was taken.
+///
+/// # Errors
+/// When it cannot be written. A full disk is none: how much is free is looked at apart.
+pub(crate) fn try_writing(folder: &Path) -> Result<(), LockError> {
+    let path = folder.join(TRIED);
+    match File::create(&path).and_then(|_| std::fs::remove_file(&path)) {
+        Err(source) if !matches!(source.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded) => {
+            Err(LockError::Io { folder: folder.into(), source })
+        }
+        _ => Ok(()),
     }
 }
 
