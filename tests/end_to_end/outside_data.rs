@@ -2,6 +2,9 @@
 
 use crate::program::{data, import, import_and_add, json, trunnion};
 use serde_json::Value;
+use std::path::Path;
+use trunnion::results::{RunAnswer, RunRecord, RunResult, RunState, Verdict};
+
 #[test]
 fn gravity_is_named_first_and_adding_it_lowers_the_error_also_on_held_out_passes() {
     let folder = tempfile::tempdir().unwrap();
@@ -87,6 +90,46 @@ fn export_gives_the_points_back() {
     // first point of the file: dx −21.40, dy 15.10, dz 17.50 µm
     let first = table.lines().nth(1).unwrap();
     assert!(first.contains("-21.4") && first.contains("15.1") && first.contains("17.5"), "{first}");
+}
+
+#[test]
+fn a_run_is_exported_with_what_a_person_added_and_what_the_service_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, model) = import_and_add("points-gravity", "gravity-sag:B", folder.path());
+    let export = |more: &[&str]| {
+        let table = trunnion(&[&["export", "csv", &run, "--what", "runs"], more].concat());
+        let lines: Vec<Vec<String>> =
+            table.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect();
+        ["effects", "verdict", "missing_effects"]
+            .map(|name| lines[1][lines[0].iter().position(|found| found == name).unwrap()].clone())
+    };
+    let base = "location-errors ball-setting";
+    let added = format!("{base} gravity-sag:B");
+    let own = Path::new(&run).with_extension("model.toml");
+    std::fs::rename(&model, &own).unwrap();
+    assert_eq!(export(&[]), [added.as_str(), "", ""], "that of its own model file");
+    let record = RunRecord {
+        state: RunState::Done,
+        answer: Some(RunAnswer {
+            result: RunResult {
+                verdict: Verdict::MissingEffect,
+                missing_effects: vec!["backlash:B".into(), "thermal-drift".into()],
+                ..RunResult::default()
+            },
+            quality: None,
+        }),
+        ..RunRecord::default()
+    };
+    trunnion_service::run_record::write(Path::new(&run), &record).unwrap();
+    assert_eq!(export(&[]), [added.as_str(), "missing-effect", "backlash:B thermal-drift"]);
+    let asked = own.with_file_name("asked.toml");
+    std::fs::rename(&own, &asked).unwrap();
+    assert_eq!(export(&[]), [base, "missing-effect", "backlash:B thermal-drift"]);
+    assert_eq!(
+        export(&["--model", asked.to_str().unwrap()]),
+        [added.as_str(), "", ""],
+        "the fit asked for alone"
+    );
 }
 
 #[test]

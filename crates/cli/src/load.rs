@@ -55,7 +55,7 @@ fn blocks(text: &str) -> Result<usize, String> {
 }
 
 /// The model a command judges.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct ModelArgs {
     /// Model file; without it the base model (location errors and ball setting)
     #[arg(long, value_name = "FILE")]

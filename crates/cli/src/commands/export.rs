@@ -18,7 +18,9 @@ use std::path::PathBuf;
 /// points: the good points, as `import` reads them. every-point: unsettled points and those without a reading too, with the
 /// columns `quality` and `why`. samples: what each probe sent, with raw numbers and ticks. axes: positions of the axes. residuals: measured, predicted
 /// and residual reading of every pose, as --model fits it. effects: what each effect of the model makes of each reading; effects
-/// that are confounded in the run are one. parameters: what that fit found. runs: the fit in one row.
+/// that are confounded in the run are one. parameters: what that fit found. runs: the fit in one row;
+/// without --model that of NAME.model.toml next to the recording, where there is one, with the verdict and the missing effects that the
+/// service found.
 ///
 /// Parquet takes many recordings in one table, with machine, serial number, run and its beginning in front.
 ///

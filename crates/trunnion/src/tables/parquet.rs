@@ -12,7 +12,7 @@ use std::sync::Arc;
 use trunnion_machine::NamePlate;
 
 /// Columns that hold text; all others hold numbers. By name and not by what is in them, so that the tables of all runs fit together.
-const TEXT: [&str; 13] = [
+const TEXT: [&str; 15] = [
     "machine",
     "serial",
     "run",
@@ -26,6 +26,8 @@ const TEXT: [&str; 13] = [
     "parameter",
     "unit",
     "effects",
+    "verdict",
+    "missing_effects",
 ];
 /// Rows that are compressed together; what Parquet's own tools write.
 const ROWS_OF_A_GROUP: usize = 1 << 20;
