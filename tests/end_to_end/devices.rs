@@ -1,6 +1,7 @@
 //! `trunnion devices` through the binary, against virtual devices on pseudo-terminals and servers on the network.
 
 use serde_json::Value;
+use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::Arc;
@@ -183,6 +184,53 @@ async fn every_trouble_says_what_to_do() {
         found[1]["asked"].as_array().unwrap().iter().any(|asked| asked.as_str().unwrap().contains("GETINFO"))
     );
     drop(used);
+}
+
+/// The address of a server that gives this answer to every question.
+fn answers(status: &'static str, body: String) -> String {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        for stream in listener.incoming().flatten() {
+            let mut lines = BufReader::new(stream);
+            let mut line = String::from("more");
+            while !line.trim().is_empty() {
+                line.clear();
+                lines.read_line(&mut line).unwrap();
+            }
+            let length = body.len();
+            // One that does not read it all is answered in its own report.
+            write!(lines.get_mut(), "HTTP/1.1 {status}\r\nContent-Length: {length}\r\n\r\n{body}").ok();
+        }
+    });
+    url
+}
+
+#[test]
+fn an_answer_that_is_not_taken_is_reported_with_the_reason() {
+    let header = "<Header instanceId=\"1\" sender=\"a\"/>";
+    let devices = |devices: &str| format!("<MTConnectDevices>{header}{devices}</MTConnectDevices>");
+    for (status, body, words) in [
+        // More than any machine has: it is not read to its end.
+        ("200 OK", devices(&"<a/>".repeat(600_000)), "more than 500000 elements and attributes"),
+        ("200 OK", devices(""), "<MTConnectDevices> has no <Devices>"),
+        ("200 OK", devices("<Devices><Device/></Devices>"), "<Device> has no id"),
+        ("200 OK", "<html><body/></html>".into(), "<html> is not an MTConnect devices"),
+        ("200 OK", "Hello.".into(), "reading a document"),
+        ("404 Not Found", "<html>".into(), "the server answers 404 Not Found"),
+        (
+            "400 Bad Request",
+            format!(
+                "<MTConnectError>{header}<Errors><Error errorCode=\"NO_DEVICE\">none here</Error></Errors></MTConnectError>"
+            ),
+            "NO_DEVICE: none here",
+        ),
+    ] {
+        let url = answers(status, body);
+        let found = &asked(["--url", &url])[0];
+        let trouble = found["trouble"].as_str().unwrap();
+        assert!(trouble.contains(words) && found["driver"].is_null(), "{words:?} is not in {trouble:?}");
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@
 //! it (`Restarted`). When the agent no longer has what we ask for (`OUT_OF_RANGE`) it goes on from `/current` and records
 //! a gap. An agent sends changes only: while it says that nothing changed, held positions are sent.
 
+mod answer;
 mod items;
 mod model;
 mod probe;
@@ -17,6 +18,7 @@ use crate::link::Link;
 use crate::session_end::SessionEnd;
 use crate::transport::http;
 use crate::transport::http_login::HttpLogin;
+use answer::{parse, unexpected};
 use items::Items;
 use model::{Absent, Model};
 use std::convert::Infallible;
@@ -24,7 +26,6 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use trunnion_core::input::Table;
 use trunnion_core::{AxisValues, Joint, Role, Secret};
-use trunnion_protocol::mtconnect;
 use trunnion_protocol::mtconnect::{DevicesDocument, Document, MultipartDecoder, StreamsDocument};
 
 /// Registry entry.
@@ -282,21 +283,4 @@ fn take(
         link.gap(from, to, None, reason.into());
     }
     Ok(())
-}
-
-fn parse(body: &[u8]) -> Result<Document, SessionEnd> {
-    mtconnect::parse(body)
-        .map_err(|error| SessionEnd::Protocol { doing: "reading a document", fault: error.to_string() })
-}
-
-fn unexpected(doing: &'static str, document: &Document) -> SessionEnd {
-    let fault = match document {
-        Document::Error(error) => {
-            let words = error.errors.iter().map(|error| format!("{}: {}", error.code, error.text));
-            words.collect::<Vec<_>>().join("; ")
-        }
-        Document::Devices(_) => "the agent sent a devices document".into(),
-        Document::Streams(_) => "the agent sent a streams document".into(),
-    };
-    SessionEnd::Protocol { doing, fault }
 }

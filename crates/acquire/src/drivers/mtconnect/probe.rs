@@ -1,10 +1,11 @@
 //! Is there an MTConnect agent at a URL? `/probe` describes its devices, where it asks for no password.
 
+use super::answer::{parse, unexpected};
 use crate::probe::{Answer, Found, Medium, Probe, Scheme};
 use crate::session_end::SessionEnd;
 use crate::transport::http;
 use std::time::Duration;
-use trunnion_protocol::mtconnect::{Document, parse};
+use trunnion_protocol::mtconnect::Document;
 
 pub(super) const PROBE: Probe = Probe {
     medium: Medium::Network(Scheme { name: "http", port: 5000 }),
@@ -12,6 +13,7 @@ pub(super) const PROBE: Probe = Probe {
     run: |url| Box::pin(at(url)),
 };
 
+const ASKING: &str = "asking /probe";
 const LIMIT: Duration = Duration::from_secs(5);
 
 async fn at(url: &str) -> Answer {
@@ -22,9 +24,20 @@ async fn ask(url: &str) -> Result<Answer, SessionEnd> {
     let refused = |why| SessionEnd::Refused { address: url.to_owned(), why };
     let base = http::parse_base(url).map_err(refused)?;
     let server = http::Server { base, login: None };
-    let body = http::get(&server, "/probe").await?.whole(LIMIT).await?;
-    let Ok(Document::Devices(document)) = parse(&body) else {
-        return Ok(Answer::none_in(&body));
+    let answer = http::get(&server, "/probe").await?;
+    let status = answer.status;
+    let body = answer.whole(LIMIT).await?;
+    // An error document comes with a status of its own.
+    let document = match parse(&body) {
+        Ok(Document::Devices(document)) => document,
+        Ok(other) => return Err(unexpected(ASKING, &other)),
+        Err(_) if !status.is_success() => {
+            return Err(SessionEnd::Protocol {
+                doing: ASKING,
+                fault: format!("the server answers {status}"),
+            });
+        }
+        Err(refused) => return Err(refused),
     };
     let names: Vec<&str> = document.devices.iter().map(|device| device.name.as_str()).collect();
     let mut keys = vec![format!("url = \"{url}\"")];
