@@ -1,5 +1,6 @@
 //! A broker (MQTT 3.1.1) that lets in who knows the password, and keeps all that others would see.
 
+use rustls::{ServerConfig, ServerConnection, StreamOwned};
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
@@ -28,6 +29,15 @@ struct Seen {
 impl Broker {
     /// Starts it for one user.
     pub fn start(user: &'static str, password: String) -> Self {
+        Self::start_with(user, password, None)
+    }
+
+    /// The same, with whom it speaks as this says.
+    pub fn start_encrypted(user: &'static str, password: String, encryption: Arc<ServerConfig>) -> Self {
+        Self::start_with(user, password, Some(encryption))
+    }
+
+    fn start_with(user: &'static str, password: String, encryption: Option<Arc<ServerConfig>>) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let port = listener.local_addr().unwrap().port();
         let seen = Arc::<Mutex<Seen>>::default();
@@ -38,8 +48,19 @@ impl Broker {
                 if seen.lock().unwrap().is_away {
                     continue;
                 }
+                let encryption = encryption.clone();
                 // A client that goes is none of the broker's business.
-                std::thread::spawn(move || serve(stream.ok()?, user, &password, &seen));
+                std::thread::spawn(move || {
+                    let stream = stream.ok()?;
+                    seen.lock().unwrap().streams.push(stream.try_clone().ok()?);
+                    match encryption {
+                        Some(config) => {
+                            let connection = ServerConnection::new(config).ok()?;
+                            serve(StreamOwned::new(connection, stream), user, &password, &seen)
+                        }
+                        None => serve(stream, user, &password, &seen),
+                    }
+                });
             }
         });
         Self { port, seen }
@@ -71,7 +92,7 @@ impl Broker {
 }
 
 /// MQTT 3.1.1: section 2.2 (header), 3.1 to 3.14 (packets).
-fn serve(mut stream: TcpStream, user: &str, password: &str, seen: &Mutex<Seen>) -> Option<()> {
+fn serve(mut stream: impl Read + Write, user: &str, password: &str, seen: &Mutex<Seen>) -> Option<()> {
     loop {
         let (kind, body) = packet(&mut stream)?;
         let answer: Vec<u8> = match kind >> 4 {
@@ -81,7 +102,6 @@ fn serve(mut stream: TcpStream, user: &str, password: &str, seen: &Mutex<Seen>) 
                 seen.sent.extend(rest);
                 let count = if is_right { &mut seen.let_in } else { &mut seen.refused };
                 *count += 1;
-                seen.streams.push(stream.try_clone().ok()?);
                 if is_right { vec![0x20, 2, 0, 0] } else { REFUSED.into() }
             }
             3 => {
@@ -107,13 +127,13 @@ fn serve(mut stream: TcpStream, user: &str, password: &str, seen: &Mutex<Seen>) 
     }
 }
 
-fn packet(stream: &mut TcpStream) -> Option<(u8, Vec<u8>)> {
+fn packet(stream: &mut impl Read) -> Option<(u8, Vec<u8>)> {
     let mut byte = [0];
-    let mut next = |stream: &mut TcpStream| stream.read_exact(&mut byte).ok().map(|()| byte[0]);
-    let kind = next(stream)?;
+    let mut next = || stream.read_exact(&mut byte).ok().map(|()| byte[0]);
+    let kind = next()?;
     let mut length = 0;
     for place in 0..4 {
-        let part = next(stream)?;
+        let part = next()?;
         length |= usize::from(part & 0x7f) << (7 * place);
         if part & 0x80 == 0 {
             break;

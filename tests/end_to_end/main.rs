@@ -34,6 +34,8 @@ mod record;
 mod report;
 mod robot;
 mod schemes;
+#[path = "../src/secret_forms.rs"]
+mod secret_forms;
 mod secrets;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../src/section.rs"]

@@ -14,6 +14,7 @@ pub mod page_status;
 pub mod pattern;
 pub mod peer;
 pub mod schemes;
+pub mod secret_forms;
 pub mod section;
 #[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 pub mod sweeps;

@@ -3,6 +3,7 @@
 //! A service with a secret of each kind records a cycle, analyses it, shows and publishes it, with everything logged; commands and
 //! mistakes follow. Then every byte that came of it is searched.
 
+mod encryption;
 mod page;
 mod search;
 
@@ -28,6 +29,7 @@ const MQTT_BEFORE: &str = "wr4Np8sYz1Qe";
 const MQTT_FILE: &str = "fi6Kt3hGd5Xo";
 const AGENT: &str = "ag5Hd3jBc6Fu";
 const LINUXCNC: &str = "lc9Vn1gTm7Ko";
+const OPCUA: &str = "ua8Fs5nJe2Rb";
 const TOKEN: &str = "tk2Wb6yPx8Zs4Ja0Mi";
 
 fn mqtt_password() -> String {
@@ -73,11 +75,13 @@ fn config(folders: &Folders, url: &str, broker: u16, page: u16) -> String {
     let controller = agent(url, &format!("password = '{}'  # {AGENT}", agent_password()));
     let tables = format!(
         "[mqtt]\nhost = \"127.0.0.1\"\nport = {broker}\nuser = \"cell\"\npassword_file = \"mqtt\"\n\
+         [mqtt.tls]\nca = \"page.crt\"\ncertificate = \"client.crt\"\nkey_file = \"client.key\"\n\
          [page]\nlisten = \"127.0.0.1:{page}\"\nnames = [\"cell-4.lan\"]\ncertificate = \"page.crt\"\n\
          key_file = \"page.key\"\ntoken_file = \"token\"\n"
     );
-    format!("# The password of the broker is {MQTT}, that of the agent {AGENT}; the token is {TOKEN}\n")
-        + &shop::config(&folders.at("ports"), "../data", &controller, &tables)
+    format!(
+        "# The password of the broker is {MQTT}, that of the agent {AGENT}, of OPC UA {OPCUA}; the token is {TOKEN}\n"
+    ) + &shop::config(&folders.at("ports"), "../data", &controller, &tables)
 }
 
 /// What was written to screens and sockets: where, and the bytes.
@@ -118,7 +122,7 @@ async fn no_secret_is_in_anything_that_is_logged_shown_recorded_or_published() {
         std::fs::create_dir(folders.at(name)).unwrap();
     }
     let certificates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../service/tests/data");
-    for name in ["page.crt", "page.key"] {
+    for name in ["page.crt", "page.key", "client.crt", "client.key"] {
         std::fs::copy(certificates.join(name), folders.at("etc").join(name)).unwrap();
     }
     let login = |floor: &mut CellConfig| {
@@ -132,7 +136,8 @@ async fn no_secret_is_in_anything_that_is_logged_shown_recorded_or_published() {
 }
 
 fn searched(folders: &Folders, url: &str) {
-    let broker = Broker::start("cell", mqtt_password());
+    let encryption = encryption::of_broker(&folders.at("etc"));
+    let broker = Broker::start_encrypted("cell", mqtt_password(), encryption);
     let page = Page::at(free_port(), &folders.at("etc/page.crt"));
     folders.write("etc/trunnion.toml", &config(folders, url, broker.port, page.port));
     // The file of the configuration is not the one that counts.
@@ -145,9 +150,8 @@ fn searched(folders: &Folders, url: &str) {
     mistakes(folders, url, &mut heard);
     heard.0.push(("MQTT".into(), broker.sent()));
 
-    let key = std::fs::read_to_string(folders.at("etc/page.key")).unwrap();
     let part = |line: &str| line.split(['+', '/', '=']).max_by_key(|part| part.len()).unwrap().to_owned();
-    let key = part(key.lines().nth(1).unwrap());
+    let key = |name: &str| part(std::fs::read_to_string(folders.at(name)).unwrap().lines().nth(1).unwrap());
     let secrets = Secrets::of(&[
         ("password of the broker", MQTT),
         ("password that the broker refused", MQTT_BEFORE),
@@ -156,7 +160,9 @@ fn searched(folders: &Folders, url: &str) {
         ("password of LinuxCNC", LINUXCNC),
         ("token of the page", TOKEN),
         ("cookie of the page", &cookie),
-        ("key of the page", &key),
+        ("password of OPC UA", OPCUA),
+        ("key of the page", &key("etc/page.key")),
+        ("key for the broker", &key("etc/client.key")),
     ]);
     let mut written = search::files(&folders.at("data"));
     let readable = |path: &&PathBuf| path.metadata().unwrap().permissions().mode() & 0o027 != 0;
@@ -269,6 +275,25 @@ fn mistakes(folders: &Folders, url: &str, heard: &mut Heard) {
         "[[device]]\nname = \"cnc\"\ndriver = \"linuxcnc\"\nhost = \"127.0.0.1\"\nport = {echo}\njoints = \"XYZBC\"\n\
          password_file = \"linuxcnc\"\n"
     );
+    let opcua = |password: &str| {
+        format!(
+            "[[device]]\nname = \"cnc\"\ndriver = \"opcua\"\nurl = \"opc.tcp://127.0.0.1:{}\"\nlayout = \"sinumerik\"\n\
+             axes = \"XYZBC\"\nuser = \"cell\"\n{password}\n",
+            free_port()
+        )
+    };
+    folders.write("etc/opcua", &format!("{OPCUA}\n"));
+    for password in [&format!("password = \"{OPCUA}\""), "password_file = \"opcua\""] {
+        folders.write("etc/devices.toml", &opcua(password));
+        let said = heard.command(&["devices", "--config", &folders.text("etc/devices.toml")]);
+        // A build of this crate alone has no OPC UA; that of the workspace has.
+        assert!(
+            ["is not there", "not part of this build"].iter().any(|words| said.contains(words)),
+            "{said}"
+        );
+    }
+    folders.write("etc/devices.toml", &opcua(&format!("password = [\"{OPCUA}\"]")));
+    heard.command(&["devices", "--config", &folders.text("etc/devices.toml")]);
     for (device, words) in [
         (
             agent(url, "password_file = \"agent\""),
@@ -311,7 +336,10 @@ fn mistakes(folders: &Folders, url: &str, heard: &mut Heard) {
     folders.write("etc/wrong.toml", &good.replacen("token_file = \"token\"", "token_file = \"gone\"", 1));
     let said = heard.command(&["check-config", &folders.text("etc/wrong.toml")]);
     assert!(said.contains("gone cannot be read"), "{said}");
-    for name in ["devices.toml", "wrong.toml", "linuxcnc", "agent"] {
+    folders.write("etc/wrong.toml", &good.replacen("key_file = \"client.key\"", "key_file = \"mqtt\"", 1));
+    let said = heard.command(&["check-config", &folders.text("etc/wrong.toml")]);
+    assert!(said.contains("`key_file` holds no private key"), "{said}");
+    for name in ["devices.toml", "wrong.toml", "linuxcnc", "agent", "opcua"] {
         std::fs::remove_file(folders.at("etc").join(name)).unwrap();
     }
 }

@@ -1,7 +1,6 @@
 //! Whether bytes hold a secret: as it is, or in any of the codings in which a program may write it.
 
-use base64::Engine;
-use base64::engine::general_purpose::{STANDARD_NO_PAD, URL_SAFE_NO_PAD};
+use crate::secret_forms::forms;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader};
 use std::path::{Path, PathBuf};
 
@@ -42,33 +41,6 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-fn forms(secret: &str) -> Vec<(&'static str, String)> {
-    let each = |write: fn(u8) -> String| secret.bytes().map(write).collect::<String>();
-    let mut forms = vec![
-        ("plain", secret.into()),
-        ("percent-encoded", each(|byte| format!("%{byte:02X}"))),
-        ("percent-encoded in small letters", each(|byte| format!("%{byte:02x}"))),
-        ("hexadecimal", each(|byte| format!("{byte:02x}"))),
-        ("hexadecimal in capitals", each(|byte| format!("{byte:02X}"))),
-        ("as a list of numbers", secret.bytes().map(|byte| byte.to_string()).collect::<Vec<_>>().join(", ")),
-        (
-            "as a list of numbers in JSON",
-            secret.bytes().map(|byte| byte.to_string()).collect::<Vec<_>>().join(","),
-        ),
-        ("UTF-16", secret.chars().flat_map(|sign| [sign, '\0']).collect()),
-        ("backwards", secret.chars().rev().collect()),
-    ];
-    // Three bytes are four signs: where the secret begins within a longer text decides how it looks.
-    for before in 0..3 {
-        let bytes = [&[0; 2][..before], secret.as_bytes()].concat();
-        let whole = (8 * before).div_ceil(6)..8 * bytes.len() / 6;
-        for engine in [&STANDARD_NO_PAD, &URL_SAFE_NO_PAD] {
-            forms.push(("base64", engine.encode(&bytes)[whole.clone()].into()));
-        }
-    }
-    forms
-}
-
 /// Every record of a recording, those in chunks unpacked; `None` of another file. A journal ends anywhere.
 fn records(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     bytes.strip_prefix(b"\x89MCAP0\r\n")?;
@@ -89,6 +61,8 @@ fn records(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
 
 #[test]
 fn a_secret_is_found_in_every_coding_and_in_the_chunks_of_a_recording() {
+    use base64::Engine;
+    use base64::engine::general_purpose::{STANDARD_NO_PAD, URL_SAFE_NO_PAD};
     const SECRET: &str = "mq7Rk2vXw9";
     let secrets = Secrets::of(&[("password", SECRET)]);
     assert_eq!(secrets.in_bytes(b"mq7Rk2vXw8 and nothing else"), None);
