@@ -25,6 +25,7 @@ mod found;
 mod grid;
 mod location;
 mod nest_calibration;
+mod tilting;
 mod values;
 
 use found::Found;

@@ -15,6 +15,7 @@ mod common;
 mod density;
 mod empty_runs;
 mod error_map;
+mod error_map_tilting;
 mod geometry;
 mod methods;
 mod multilateration;

@@ -7,13 +7,14 @@ use super::components::{Component, components, is_about_itself};
 use super::found::Found;
 use super::grid::Grid;
 use super::location::Locations;
+use super::tilting::{self, Motion};
 use crate::common::harmonics::{self, Harmonics};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
-use crate::recipes::{Convention, Method, MethodOptions};
+use crate::recipes::{Method, MethodOptions};
 use nalgebra::Vector3;
 use trunnion_core::Twist;
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
-use trunnion_core::number::{fixed, signed, trimmed, um};
+use trunnion_core::number::{fixed, trimmed, um};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_engine::Identification;
@@ -35,19 +36,26 @@ pub(super) fn findings(
             FoundValue::new(row.name.clone(), row.by_map, row.unit, Some(row.u_by_map)).note(note)
         })
         .collect();
-    values.extend(variations(grid, b_errors, locations, convention));
+    let tilting = tilting::motions(grid, b_errors, locations);
+    let around = |contours: usize| {
+        let one = |motion: &Motion| Some((motion.name.clone(), motion.unit, motion.harmonics(contours)?));
+        tilting.iter().filter_map(one).collect::<Vec<_>>()
+    };
+    // They stand in one table, so 5 % is the chance that noise makes any of them significant.
+    let contours = of_turning(grid).len() + around(1).len();
+    values.extend(tilting.iter().map(|motion| motion.value(contours, convention)));
     values.extend(left(grid, b_errors, c_errors, joint));
     let mut tables = vec![compared(locations), map_of_tilting(grid, b_errors)];
     tables.push(map_of_turning(grid, c_errors));
-    let around = harmonics_of_turning(grid, c_errors);
-    values.extend(around.iter().map(|(name, unit, of)| {
+    let turning = harmonics_of_turning(grid, c_errors, contours);
+    values.extend(turning.iter().map(|(name, unit, of)| {
         let value = of.range_value(name, *unit);
         let off = or_between_nests(grid, name, of);
         let note = format!("mean over {}, without the bias of noise; {}{off}", grid.tilting, value.note);
         value.note(note)
     }));
     values.extend(at_the_tilts(grid, c_errors));
-    tables.extend(harmonics::table(&around));
+    tables.extend(harmonics::table(&[around(contours), turning].concat()));
     tables.extend(calibration.table.clone());
     let mut notes = notes(grid, b_errors);
     notes.push(calibration.note.clone());
@@ -58,47 +66,6 @@ pub(super) fn findings(
         notes,
         ..method.findings(runs, convention)
     }
-}
-
-/// How far each component of the tilting axis varies beyond what constant location errors make of it; as S1 prints them, tilts between
-/// their ends in degrees (S1 §5.3: coning, αB from −0.013° to +0.013°).
-fn variations(
-    grid: &Grid<'_>,
-    b_errors: &BErrors,
-    locations: &Locations,
-    convention: Convention,
-) -> Vec<FoundValue> {
-    let ends = |numbers: &mut dyn Iterator<Item = f64>| {
-        numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
-    };
-    let mut values = Vec::new();
-    for (name, unit, of) in components(grid.tilting) {
-        let u = b_errors.u_at_tilt.iter().map(of).fold(0.0, f64::max);
-        let (low, high) =
-            ends(&mut b_errors.at_tilt.iter().zip(&locations.constants).map(|(t, c)| of(t) - of(c)));
-        let printed = match convention {
-            Convention::Source if unit == Unit::URAD => {
-                format!("from {}° to {}°; ", signed(deg_from_rad(low), 4), signed(deg_from_rad(high), 4))
-            }
-            _ => String::new(),
-        };
-        let note = format!(
-            "{printed}range over {} beyond location errors, noise included; u of one value at most {:.2} {}",
-            grid.tilting,
-            u * unit.per_inside,
-            unit.text()
-        );
-        values.push(
-            FoundValue::new(
-                format!("{name} variation"),
-                high - low,
-                unit,
-                Some(u * std::f64::consts::SQRT_2),
-            )
-            .note(note),
-        );
-    }
-    values
 }
 
 /// Of each component of the turning axis the tilt that allows the largest range of its waves, and the upper bound there. A range with an
@@ -228,19 +195,20 @@ fn map_of_tilting(grid: &Grid<'_>, b_errors: &BErrors) -> FoundTable {
     FoundTable { caption: format!("Errors of {} (S1 Fig. 6)", grid.tilting), columns, rows }
 }
 
-/// Of the errors of the turning axis, mean over the tilts.
-fn harmonics_of_turning(grid: &Grid<'_>, c_errors: &CErrors) -> Vec<(String, Unit, Harmonics)> {
-    let shown = of_turning(grid);
-    let count = shown.len();
-    let found = shown.into_iter().filter_map(|(name, unit, of)| {
+/// Of the errors of the turning axis, mean over the tilts; judged among so many contours.
+fn harmonics_of_turning(
+    grid: &Grid<'_>,
+    c_errors: &CErrors,
+    contours: usize,
+) -> Vec<(String, Unit, Harmonics)> {
+    let found = of_turning(grid).into_iter().filter_map(|(name, unit, of)| {
         let mean = |turn: usize| {
             let read: Vec<f64> =
                 c_errors.at.iter().filter_map(|of_tilt| of_tilt[turn].as_ref().map(&of)).collect();
             (!read.is_empty()).then(|| read.iter().sum::<f64>() / read.len() as f64)
         };
         let points = grid.turns_rad.iter().enumerate().filter_map(|(k, turn)| Some((*turn, mean(k)?)));
-        // They stand in one table, so 5 % is the chance that noise makes any of them significant.
-        Some((name, unit, Harmonics::among(&points.collect::<Vec<_>>(), count)?))
+        Some((name, unit, Harmonics::among(&points.collect::<Vec<_>>(), contours)?))
     });
     found.collect()
 }
