@@ -63,13 +63,18 @@ pub(super) fn read_header(
     if kind == RunKind::OnTheFly {
         allowed.extend(on_the_fly(&joints, kinds.iter().copied()));
     }
+    let only_on_the_fly = match kind {
+        RunKind::Static => on_the_fly(&joints, kinds.iter().copied()),
+        RunKind::OnTheFly => Vec::new(),
+    };
     let names = allowed.iter().map(Column::name).collect::<Vec<_>>().join(", ") + ", NAME_degc";
 
     // Spreadsheets like capitals, and people write µ: the sign of the unit, or the Greek letter.
-    let parse = |cell: &String| {
+    let among = |cell: &String, columns: &[Column]| {
         let plain = || cell.to_ascii_lowercase().replace(['µ', 'μ'], "u");
-        Column::parse(cell, &allowed).or_else(|| Column::parse(&plain(), &allowed))
+        Column::parse(cell, columns).or_else(|| Column::parse(&plain(), columns))
     };
+    let parse = |cell: &String| among(cell, &allowed);
     let there: Vec<Column> = header.iter().filter_map(|(_, cell)| parse(cell)).collect();
     if there.is_empty() && machine.is_some() && setups.is_some() {
         let first = header.first().map_or("", |(_, cell)| cell);
@@ -89,10 +94,12 @@ pub(super) fn read_header(
         let column = parse(cell);
         if column.is_none() && (machine.is_some() || !may_be_joint(cell)) {
             let near = || meant(cell, &required, &absent).or_else(|| meant(cell, &allowed, &absent));
-            let advice = match (machine.and_then(|machine| joint_of_another(cell, machine)), near()) {
-                (Some(advice), _) => advice,
-                (None, Some(near)) => format!("Did you mean {near}?"),
-                (None, None) => String::new(),
+            let another = || machine.and_then(|machine| joint_of_another(cell, machine));
+            let advice = match among(cell, &only_on_the_fly) {
+                Some(_) => ON_THE_FLY.into(),
+                None => another()
+                    .or_else(|| near().map(|near| format!("Did you mean {near}?")))
+                    .unwrap_or_default(),
             };
             notes.add(line, at, &format!("column \"{cell}\""), &names, &advice);
         } else if column.is_some() && columns.contains(&column) {
@@ -108,6 +115,9 @@ pub(super) fn read_header(
     }
     columns
 }
+
+/// For a column that says how the axes moved, in a table that is read as points at rest.
+const ON_THE_FLY: &str = "A run on the fly has such a column: add --kind on-the-fly.";
 
 /// The nearest name of a column that the header lacks.
 fn meant(cell: &str, of: &[Column], absent: &dyn Fn(&Column) -> bool) -> Option<String> {

@@ -215,3 +215,18 @@ fn rows_out_of_order_are_refused_with_their_line() {
     let shown = import(&format!("{HEADER}\nlow,1,0,0,0,0,0,1,2,3\nlow,0.5,0,0,0,0,0,1,2,3\n")).unwrap_err();
     assert!(shown.contains("points.csv:3:1: time_s = 0.5 after 1"), "{shown}");
 }
+
+#[test]
+fn columns_of_a_run_on_the_fly_in_points_at_rest_name_the_option() {
+    let text = "setup,x_mm,y_mm,z_mm,b_deg,c_deg,feed_mm_per_min,dx_um,dy_um,dz_um,x_actual_mm,force_n\n\
+                low,0,0,0,0,0,600,1,2,3,0.001,30\n";
+    let at_rest =
+        points_csv::import_files("run", ("points.csv", text), ("setup.toml", SETUP), &shipped::machine);
+    let problems = at_rest.unwrap_err().0;
+    let named: Vec<bool> =
+        problems.iter().map(|problem| problem.advice.contains("--kind on-the-fly")).collect();
+    assert_eq!(named, [true, true, false], "{problems:?}");
+    // With the option, the one that no run has is left.
+    let shown = import(text).unwrap_err();
+    assert!(shown.contains("force_n") && !shown.contains("--kind"), "{shown}");
+}
