@@ -4,6 +4,7 @@
 //! its manual; measure again. What LinuxCNC computes is compiled and run as it stands in the component.
 
 mod component;
+mod sign;
 
 use crate::compensation::rms_um;
 use crate::program::{json, output, refused, trunnion};
@@ -147,28 +148,33 @@ fn what_a_control_leaves_is_what_was_expected_and_the_wrong_sign_is_caught() {
             let (file, answer) = shop.correct(control, &["--although-not-better", "--self-test", &sign]);
             let expected = &answer["expected"];
             let (after_um, wrong_um) = (number(&expected["after_um"]), number(&expected["wrong_sign_um"]));
-            let after = rms_um(&shop.measure("after", &["--compensation", &file]));
+            let with_it = shop.measure("after", &["--compensation", &file]);
+            let after = rms_um(&with_it);
             println!("{seed} {control}: {before_um:.2} µm, expected {after_um:.3}, found {after:.3}");
             assert!(
                 (after / after_um - 1.0).abs() < AS_EXPECTED,
                 "{seed} {control}: {after_um} expected, {after}"
             );
             let wrong = shop.with_the_wrong_sign(&file);
-            let doubled = rms_um(&shop.measure("doubled", &["--compensation", &wrong]));
+            let with_wrong = shop.measure("doubled", &["--compensation", &wrong]);
+            let doubled = rms_um(&with_wrong);
             assert!(
                 (doubled / wrong_um - 1.0).abs() < AS_EXPECTED,
                 "{control}: {wrong_um} expected, {doubled}"
             );
-            for (compensation, verdict) in
-                [(Some(&file), "right"), (None, "not-active"), (Some(&wrong), "wrong")]
-            {
+            sign::check_first_is_read(&answer, &[shop.path("before.mcap"), with_it, with_wrong]);
+            let signs = [(None, "not-active"), (Some(&file), "right"), (Some(&wrong), "wrong")];
+            let four_poses = signs.map(|(compensation, verdict)| {
                 let mut more = vec!["--cycle", sign.as_str()];
                 if let Some(file) = compensation {
                     more.extend(["--compensation", file]);
                 }
-                let judged = shop.judge(control, &shop.measure("sign", &more));
+                let run = shop.measure(verdict, &more);
+                let judged = shop.judge(control, &run);
                 assert_eq!(judged["verdict"], verdict, "{seed} {control}: {judged}");
-            }
+                run
+            });
+            sign::self_test_is_read(&answer, &four_poses);
         }
         // Nothing of these errors is on the side of the tool.
         let (_, answer) = shop.correct("heidenhain", &[]);

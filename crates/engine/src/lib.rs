@@ -37,6 +37,7 @@ pub use problem::experiment::Experiment;
 pub use problem::folds::LeftOut;
 pub use problem::known::KnownFits;
 pub use problem::runs::ExperimentError;
+pub use problem::side_by_side::readings_at;
 pub use problem::stream::{Nominal, blocks_of, reducer, stations};
 pub use solve::combinations::Combination;
 pub use solve::direction::{Status, Unobservable};

@@ -131,8 +131,12 @@ pub struct SignCheck {
     pub to: String,
     /// Names of the components of a reading.
     pub components: Vec<String>,
-    /// Reading at `to` without the correction, µm; with the right sign it is near zero, with the wrong one twice this.
-    pub change_um: Vec<f64>,
+    /// Reading at `to` without the correction, µm, as the whole model predicts it: ball and instrument are mounted as in the runs.
+    pub without_um: Vec<f64>,
+    /// Reading with the right sign, µm: the errors that the control does not take stay in it.
+    pub right_um: Vec<f64>,
+    /// Reading with the wrong sign, µm.
+    pub wrong_um: Vec<f64>,
 }
 
 /// Four poses that show the sign.
@@ -151,17 +155,18 @@ pub struct SelfTest {
     pub program: Option<String>,
 }
 
-/// Readings at one pose of a self-test, about the mean of all its poses: how the ball was mounted is not in them.
+/// Readings at one pose of a self-test, about the mean of all its poses, as the whole model predicts them: ball and instrument are mounted as in
+/// the runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SelfTestPose {
     /// The pose, e.g. `B 0.000° C 0.000°`.
     pub pose: String,
     /// Without the correction, µm.
     pub without_um: Vec<f64>,
-    /// What the correction changes with the right sign, µm.
-    pub change_right_um: Vec<f64>,
-    /// What it changes with the wrong sign, µm.
-    pub change_wrong_um: Vec<f64>,
+    /// With the right sign, µm: the errors that the control does not take stay in it.
+    pub right_um: Vec<f64>,
+    /// With the wrong sign, µm.
+    pub wrong_um: Vec<f64>,
 }
 
 /// `trunnion-correction-judged/1`: whether a control applies a correction, and with which sign, by a run measured with it.

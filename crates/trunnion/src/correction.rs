@@ -11,6 +11,7 @@ mod nest_cycle;
 mod positions;
 mod self_test;
 mod shown;
+mod sign;
 
 pub(crate) use shown::Shown;
 
@@ -81,6 +82,7 @@ impl Fit {
             decision: tolerance_um.map(|tolerance_um| after.clone().decided(tolerance_um).decision),
             excluded: after.excluded,
         };
+        let pair = shown.farthest_pair(self.experiment());
         let own = |texts: &[&str]| texts.iter().map(ToString::to_string).collect();
         let answer = results::Correction {
             machine: taken.machine.clone(),
@@ -93,7 +95,7 @@ impl Fit {
             confounded: taken.confounded.clone(),
             axes: results::Correction::axes_of(&taken),
             expected: shown.is_seen().then_some(expected),
-            check_first: shown.farthest_pair(self.experiment()),
+            check_first: pair.map(|pair| sign::check(self, &taken, pair)).transpose()?,
             enter: own(format.enter),
             undo: own(format.undo),
             unconfirmed: own(format.unconfirmed),
@@ -127,7 +129,7 @@ impl Corrected {
     /// # Errors
     /// No rotary axis that moved in the runs, or poses that no reading distinguishes.
     pub fn self_test(&self) -> Result<(results::SelfTest, String), Error> {
-        self_test::self_test(self.fit.experiment(), &self.taken)
+        self_test::self_test(&self.fit, &self.taken)
     }
 
     /// Whether runs measured with the correction show it, and with which sign: `trunnion-correction-judged/1`.

@@ -1,8 +1,8 @@
 //! The effects of a model placed side by side: names, columns, exact prediction.
 
 use crate::solve::null_space::Free;
-use crate::{Experiment, IdentifyError};
-use nalgebra::{DMatrix, DVector};
+use crate::{Experiment, Identification, IdentifyError};
+use nalgebra::{DMatrix, DVector, Vector3};
 use std::borrow::Cow;
 use std::ops::Range;
 use trunnion_core::State;
@@ -111,31 +111,63 @@ impl SideBySide {
 
     /// Exact reading of every point, mm: all effects at once through the full transforms.
     pub fn predict_mm(&self, experiment: &Experiment, solution: &DVector<f64>) -> DVector<f64> {
-        let mut first = vec![0];
-        for placed in &self.effects {
-            first.push(first[first.len() - 1] + placed.instance.parameters(&experiment.scene).len());
-        }
+        let first = self.first_parameters(experiment);
         let mut predicted = DVector::zeros(experiment.rows());
         for (i, point) in experiment.points.iter().enumerate() {
-            let mut errors = Errors::default();
-            for (k, placed) in self.effects.iter().enumerate() {
-                placed.instance.motions(
-                    &experiment.scene,
-                    &placed.shape,
-                    &point.state,
-                    &mut |parameter, site, twist| {
-                        errors.add(site, twist * solution[first[k] + parameter]);
-                    },
-                );
-            }
-            let setup = &experiment.setups[point.state.setup];
-            let reading = predict(experiment.machine(), setup, &point.state, &errors);
+            let reading = self.reading_mm(experiment, &first, solution, &point.state);
             for (component, row) in experiment.rows_of(i).enumerate() {
                 predicted[row] = reading[component];
             }
         }
         predicted
     }
+
+    /// Number of the first parameter of each effect.
+    fn first_parameters(&self, experiment: &Experiment) -> Vec<usize> {
+        let counts = self.effects.iter().map(|placed| placed.instance.parameters(&experiment.scene).len());
+        counts.scan(0, |sum, count| Some(std::mem::replace(sum, *sum + count))).collect()
+    }
+
+    /// Exact reading in one state, mm; `first` the first parameter of each effect.
+    fn reading_mm(
+        &self,
+        experiment: &Experiment,
+        first: &[usize],
+        solution: &DVector<f64>,
+        state: &State,
+    ) -> Vector3<f64> {
+        let mut errors = Errors::default();
+        for (placed, first) in self.effects.iter().zip(first) {
+            placed.instance.motions(
+                &experiment.scene,
+                &placed.shape,
+                state,
+                &mut |parameter, site, twist| {
+                    errors.add(site, twist * solution[first + parameter]);
+                },
+            );
+        }
+        predict(experiment.machine(), &experiment.setups[state.setup], state, &errors)
+    }
+}
+
+/// Exact readings of a fit in states that may be none of its points, mm; components that an instrument has not are zero. Settings are those of the
+/// fit: ball and instrument as they were mounted.
+///
+/// # Errors
+/// A model that is not that of the fit.
+pub fn readings_at(
+    experiment: &Experiment,
+    model: &Model,
+    fit: &Identification,
+    states: &[State],
+) -> Result<Vec<Vector3<f64>>, IdentifyError> {
+    let mut joint = SideBySide::place(experiment, model)?;
+    for (placed, fitted) in joint.effects.iter_mut().zip(&fit.effects) {
+        placed.shape.clone_from(&fitted.shape);
+    }
+    let first = joint.first_parameters(experiment);
+    Ok(states.iter().map(|state| joint.reading_mm(experiment, &first, &fit.solution, state)).collect())
 }
 
 fn place(experiment: &Experiment, entry: &ModelEffect) -> Result<Placed, IdentifyError> {

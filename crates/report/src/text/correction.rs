@@ -8,6 +8,11 @@ use trunnion_results::{
     Correction, CorrectionJudged, CorrectionValues, Decision, SelfTest, SignVerdict, Verdict,
 };
 
+/// What a reading is listed for.
+const SIGNS: [&str; 3] = ["without the correction", "with the right sign", "with the wrong sign"];
+/// A ball is set by hand to 1 mm, which turns with the table: a reading is known as long as it stays where it was.
+const MOUNTED: &str = "\nThese readings hold while ball and instrument stay mounted. After mounting again, the differences between the three hold.\n";
+
 /// What to do, what to check first, what to expect, and how to undo it.
 pub fn correction_text(answer: &Correction) -> String {
     let mut out = format!("{}\n\n", first_sentence(answer));
@@ -54,16 +59,22 @@ pub fn correction_text(answer: &Correction) -> String {
                 file with --corrections.\n";
     }
     if let Some(check) = &answer.check_first {
-        let readings = named(&check.components, &check.change_um);
         out += &format!(
-            "\nCheck first (setup {}): zero the instrument at {}, go to {}. Without the correction it reads {readings}; with the right sign near zero, with the wrong sign twice this.\n",
+            "\nCheck first (setup {}): zero the instrument at {}, go to {}, and read it:\n",
             clean(&check.setup),
             check.from,
             check.to
         );
+        let readings = [&check.without_um, &check.right_um, &check.wrong_um];
+        for (with, um) in SIGNS.iter().zip(readings) {
+            out += &format!("  {with}: {}\n", named(&check.components, um));
+        }
     }
     if let Some(test) = &answer.self_test {
         out += &self_test(test);
+    }
+    if answer.check_first.is_some() || answer.self_test.is_some() {
+        out += MOUNTED;
     }
     out += &steps("Undo", &answer.undo);
     for left_out in &answer.left_out {
@@ -127,13 +138,10 @@ fn self_test(test: &SelfTest) -> String {
         out += &format!("  NC program: {}\n", clean(program));
     }
     for pose in &test.poses {
-        out += &format!(
-            "  {}: now {}; right sign changes it by {}, wrong sign by {}\n",
-            pose.pose,
-            named(&test.components, &pose.without_um),
-            named(&test.components, &pose.change_right_um),
-            named(&test.components, &pose.change_wrong_um)
-        );
+        let readings = [&pose.without_um, &pose.right_um, &pose.wrong_um];
+        let of_sign = |(with, um): (&&str, &Vec<f64>)| format!("{with} {}", named(&test.components, um));
+        let all: Vec<String> = SIGNS.iter().zip(readings).map(of_sign).collect();
+        out += &format!("  {}: {}\n", pose.pose, all.join("; "));
     }
     out
 }

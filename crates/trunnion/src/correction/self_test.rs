@@ -1,12 +1,13 @@
 //! Four poses that show the sign of a correction: the corners of the measured range that the errors separate most.
 
 use super::nest_cycle::cycle;
-use super::shown::{pose, seen_mm};
-use crate::{Error, Experiment};
+use super::shown::seen_mm;
+use super::sign::{Signs, pose};
+use crate::{Error, Experiment, Fit};
 use nalgebra::Vector3;
-use trunnion_core::convert::{self, um_from_mm};
-use trunnion_core::{Joint, Setup, State};
-use trunnion_cycles::cycle::GridAxis;
+use trunnion_core::convert;
+use trunnion_core::{Joint, State};
+use trunnion_cycles::cycle::{GridAxis, Pose};
 use trunnion_results::{AxisErrors, SelfTest, SelfTestPose};
 
 /// Positions of an axis that are looked at: pairs of 13 are 78, of two axes some 6000.
@@ -16,54 +17,54 @@ const POSES: usize = 4;
 /// Changes that are smaller show no sign: a tenth of the step of a usual probe, 0.1 µm.
 const LEAST_CHANGE_MM: f64 = 1e-5;
 
-/// A setup with its grid of candidates.
-struct Candidates<'a> {
-    setup: &'a Setup,
+/// The number of a setup with its grid of candidates.
+struct Candidates {
+    index: usize,
     axes: Vec<GridAxis>,
     /// What the errors change at each place, the last axis fastest, mm.
     changes: Vec<Vector3<f64>>,
 }
 
-pub(super) fn self_test(runs: &Experiment, errors: &AxisErrors) -> Result<(SelfTest, String), Error> {
+pub(super) fn self_test(fit: &Fit, errors: &AxisErrors) -> Result<(SelfTest, String), Error> {
+    let runs = fit.experiment();
     let points = runs.points();
     let all = (0..points.setups.len()).filter_map(|setup| candidates(runs, setup, errors));
     let best = all
         .filter_map(|candidates| {
             let (stations, spread) = best_stations(&candidates)?;
-            Some((candidates.setup, stations, spread))
+            Some((candidates.index, stations, spread))
         })
         .max_by(|a, b| a.2.total_cmp(&b.2));
     let refused = |why: &str| Error::NoCorrection { why: why.into() };
-    let (setup, axes, spread) =
+    let (index, axes, spread) =
         best.ok_or_else(|| refused("a self-test turns a rotary axis that these runs turned"))?;
     if spread.sqrt() < LEAST_CHANGE_MM {
         return Err(refused("no pose of these runs shows the correction"));
     }
+    let setup = &points.setups[index];
     let cycle = cycle(runs, setup, axes);
     let poses = cycle.poses(points.machine()).ok_or_else(|| refused("the machine cannot follow the ball"))?;
-    let changes: Vec<Vector3<f64>> = poses
-        .iter()
-        .map(|pose| {
-            let state = State { position: pose.position, ..State::default() };
-            seen_mm(points.machine(), setup, &state, errors)
-        })
-        .collect();
-    let mean = changes.iter().sum::<Vector3<f64>>() / changes.len().max(1) as f64;
+    let begin = &points.scene;
+    let state = |pose: &Pose| State {
+        position: pose.position,
+        direction: pose.direction,
+        time_s: begin.time_range_s.map(|(first, _)| first),
+        temperature_degc: begin.first_temperature_degc.clone(),
+        setup: index,
+        target: pose.target,
+        ..State::default()
+    };
+    let signs = Signs::at(fit, errors, &poses.iter().map(state).collect::<Vec<_>>())?;
+    let mean = Signs::mean(&signs);
     let components = setup.instrument.components();
-    let um = |v: Vector3<f64>| (0..components.len()).map(|k| um_from_mm(v[k])).collect::<Vec<f64>>();
+    let of_pose = |(place, signs): (&Pose, &Signs)| {
+        let [without_um, right_um, wrong_um] = signs.about(&mean).um(components.len());
+        SelfTestPose { pose: pose(points.machine(), &place.position), without_um, right_um, wrong_um }
+    };
     let answer = SelfTest {
         setup: setup.name.clone(),
+        poses: poses.iter().zip(&signs).map(of_pose).collect(),
         components: components.iter().map(ToString::to_string).collect(),
-        poses: poses
-            .iter()
-            .zip(&changes)
-            .map(|(place, change)| SelfTestPose {
-                pose: pose(points.machine(), &place.position),
-                without_um: um(change - mean),
-                change_right_um: um(mean - change),
-                change_wrong_um: um(change - mean),
-            })
-            .collect(),
         cycle: String::new(),
         program: None,
     };
@@ -71,7 +72,7 @@ pub(super) fn self_test(runs: &Experiment, errors: &AxisErrors) -> Result<(SelfT
 }
 
 /// The positions of up to two rotary axes that this setup was measured at.
-fn candidates<'a>(runs: &'a Experiment, index: usize, errors: &AxisErrors) -> Option<Candidates<'a>> {
+fn candidates(runs: &Experiment, index: usize, errors: &AxisErrors) -> Option<Candidates> {
     let points = runs.points();
     let setup = &points.setups[index];
     let of_axis = |letter: Joint| {
@@ -94,7 +95,7 @@ fn candidates<'a>(runs: &'a Experiment, index: usize, errors: &AxisErrors) -> Op
         let state = State { position: pose.position, ..State::default() };
         seen_mm(points.machine(), setup, &state, errors)
     });
-    Some(Candidates { setup, changes: changes.collect(), axes })
+    Some(Candidates { index, changes: changes.collect(), axes })
 }
 
 /// Rounded, so that positions that scatter about one stand are one.
@@ -103,7 +104,7 @@ fn tenth_of_a_degree(rad: f64) -> f64 {
 }
 
 /// The four places whose changes scatter most, and that scatter squared.
-fn best_stations(candidates: &Candidates<'_>) -> Option<(Vec<GridAxis>, f64)> {
+fn best_stations(candidates: &Candidates) -> Option<(Vec<GridAxis>, f64)> {
     let spread = |places: &[usize]| {
         let changes = places.iter().map(|&k| candidates.changes[k]);
         let mean = changes.clone().sum::<Vector3<f64>>() / places.len() as f64;

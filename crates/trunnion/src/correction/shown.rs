@@ -5,13 +5,13 @@ use crate::prediction::{INDEPENDENT, orthonormal, without_model};
 use crate::{Error, Experiment, Fit};
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::ops::Range;
-use trunnion_core::convert::{deg_from_rad, um_from_mm};
+use trunnion_core::convert::deg_from_rad;
 use trunnion_core::{AxisValues, Joint, Setup, State, Twist, statistics};
 use trunnion_effects::Instance;
 use trunnion_instruments::Projector;
 use trunnion_machine::{Machine, Site};
 use trunnion_results::sentences::is_setting;
-use trunnion_results::{AxisErrors, AxisTable, PositionShare, SignCheck};
+use trunnion_results::{AxisErrors, AxisTable, PositionShare};
 
 /// Share of the readings that a correction has to move at least to be seen: rounding of 10⁻¹² mm is none.
 const SEEN_MM: f64 = 1e-9;
@@ -153,8 +153,8 @@ impl Shown {
         (share, scatter / size.sqrt())
     }
 
-    /// Two poses of one setup that the errors separate most, from the one of the two that they change least.
-    pub fn farthest_pair(&self, runs: &Experiment) -> Option<SignCheck> {
+    /// Two poses of one setup that the errors separate most, the one that they move less first, as numbers of points.
+    pub fn farthest_pair(&self, runs: &Experiment) -> Option<[usize; 2]> {
         let points = runs.points();
         let pair = (0..points.setups.len()).filter_map(|setup| {
             let own: Vec<usize> =
@@ -169,17 +169,7 @@ impl Shown {
         if apart_mm <= SEEN_MM {
             return None;
         }
-        let (from, to) = if self.by_point[a].norm() <= self.by_point[b].norm() { (a, b) } else { (b, a) };
-        let setup = &points.setups[points.points[from].state.setup];
-        let components = setup.instrument.components();
-        let change = self.by_point[to] - self.by_point[from];
-        Some(SignCheck {
-            setup: setup.name.clone(),
-            from: pose(points.machine(), &points.points[from].state.position),
-            to: pose(points.machine(), &points.points[to].state.position),
-            components: components.iter().map(ToString::to_string).collect(),
-            change_um: (0..components.len()).map(|k| um_from_mm(change[k])).collect(),
-        })
+        Some(if self.by_point[a].norm() <= self.by_point[b].norm() { [a, b] } else { [b, a] })
     }
 }
 
@@ -244,17 +234,6 @@ fn error_at(table: &AxisTable, letter: Joint, position: &AxisValues<f64>) -> Twi
     }
     let [x, y, z, a, b, c] = error;
     Twist { translation_mm: Vector3::new(x, y, z), rotation_rad: Vector3::new(a, b, c) }
-}
-
-/// Positions of the rotary axes, or of the linear ones where there are none.
-pub(super) fn pose(machine: &Machine, position: &AxisValues<f64>) -> String {
-    let rotary = machine.rotary_joints();
-    let joints = if rotary.is_empty() { machine.linear_joints() } else { rotary };
-    let one = |joint: &Joint| match joint.is_rotary() {
-        true => format!("{joint} {:.3}°", deg_from_rad(position[*joint])),
-        false => format!("{joint} {:.3}", position[*joint]),
-    };
-    joints.iter().map(one).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
