@@ -26,8 +26,12 @@ fn done(args: &[&str]) -> String {
 }
 
 fn simulate(folder: &Path, cycle: &str) -> String {
+    simulate_on(folder, TRUTH, cycle)
+}
+
+fn simulate_on(folder: &Path, truth: &str, cycle: &str) -> String {
     let run = folder.join(format!("{cycle}.mcap")).display().to_string();
-    done(&["simulate", &root(TRUTH), "--cycle", &root(&format!("config/cycles/{cycle}.toml")), "-o", &run]);
+    done(&["simulate", &root(truth), "--cycle", &root(&format!("config/cycles/{cycle}.toml")), "-o", &run]);
     run
 }
 
@@ -92,6 +96,40 @@ fn an_r_test_has_a_range_of_its_rotary_axes_and_no_volume_of_nothing() {
     let words: Vec<&str> = reported.split_whitespace().collect();
     assert!(!refused.status.success(), "{reported}");
     assert!(words.join(" ").contains("nothing moves tool against table"), "{reported}");
+}
+
+/// Scales and the squareness of one plane say nothing across it, and of no turn: what arithmetic leaves there is no error of the machine.
+#[test]
+fn what_no_effect_of_the_model_moves_is_not_known_and_not_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = simulate_on(folder.path(), "config/truths/three-axis-circles.toml", "circle-xy");
+    let model = root("config/models/straight-lines-xy.toml");
+    let [csv, page] = ["map.csv", "page.html"].map(|name| folder.path().join(name).display().to_string());
+    let args = ["volumetric", &run, "--model", &model, "--steps", "3", "--csv", &csv, "--html", &page];
+    let found: Value = serde_json::from_str(&done(&[&args[..], &["--json"]].concat())).unwrap();
+    for value in found["values"].as_array().unwrap() {
+        let is_known = ["range-x", "range-y", "longest-vector"].iter().any(|name| value["name"] == *name);
+        assert_eq!(value["value"].is_f64() && value["u"].as_f64() > Some(0.1), is_known, "{value}");
+        assert_eq!(value["to"].as_object().unwrap().is_empty(), !is_known, "{value}");
+    }
+    let text = done(&["volumetric", &run, "--model", &model, "--steps", "3"]);
+    let line = text.lines().find(|line| line.contains("orientation in A")).unwrap();
+    assert!(line.contains("not known") && line.contains("no effect of the model"), "{text}");
+    assert!(!text.contains("0.00 µ"), "{text}");
+    let map = std::fs::read_to_string(csv).unwrap();
+    let row: Vec<&str> = map.lines().nth(1).unwrap().split(',').collect();
+    assert!(row[3..5].iter().all(|cell| cell.parse::<f64>().is_ok()), "{row:?}");
+    assert!(row[5..8].iter().all(|cell| cell.is_empty()) && row.len() == 15, "{row:?}");
+    let page = std::fs::read_to_string(page).unwrap();
+    assert_eq!(page.matches("<svg").count(), 1, "X and Y alone");
+    assert!(page.contains("not known in Z"), "the headline");
+    let above = folder.path().join("above.html").display().to_string();
+    done(&["volumetric", &run, "--model", &model, "--volume", "Z=0..200", "--steps", "3", "--html", &above]);
+    let above = std::fs::read_to_string(above).unwrap();
+    assert!(
+        above.contains("Plane ZX") && above.contains("not known along Z"),
+        "X moves there, Z is not known"
+    );
 }
 
 #[test]

@@ -107,10 +107,26 @@ pub struct Extreme {
     pub high: usize,
 }
 
+impl Extreme {
+    /// True where more than rounding makes it: what no effect of the model changes over the volume is not known to be zero.
+    pub fn is_known(&self) -> bool {
+        self.value.max(self.u) >= ROUNDING
+    }
+}
+
 impl VolumetricMap {
     /// True when an error that the runs do not see would change the figures.
     pub fn lower_bound(&self) -> bool {
         !self.unseen.is_empty() || !self.stood_still.is_empty()
+    }
+
+    /// True where an effect of the model moves a component (X, Y, Z, A, B, C) at some place by more than rounding.
+    pub fn moves(&self, component: usize) -> bool {
+        let of = |twist: &Twist| match component {
+            k @ 0..3 => twist.translation_mm[k].abs(),
+            k => twist.rotation_rad[k - 3].abs(),
+        };
+        self.points.iter().any(|point| of(&point.error).max(of(&point.u)) >= ROUNDING)
     }
 
     /// True where nothing but rounding moves tool against table.

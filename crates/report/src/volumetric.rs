@@ -8,10 +8,16 @@ use trunnion_results::{Datum, ErrorMap, LocationError, Looked, ResidualAxis, Vol
 /// Heads of the table of values.
 pub const HEADS: [&str; 4] = ["over the volume", "value", "u", "from where to where (mm)"];
 
+/// Why a figure is not known.
+const NOT_CHANGED: &str = "no effect of the model changes it";
+
 /// Range by direction and the longest vector.
 pub fn rows(answer: &Volumetric) -> Vec<Vec<String>> {
     let row = |found: &VolumetricValue| {
-        let (value, u) = value_and_u(Some(found.value), Some(found.u).filter(|u| *u > 0.0), &found.unit);
+        if found.value.is_none() {
+            return vec![name_of(found), "not known".into(), MISSING.into(), NOT_CHANGED.into()];
+        }
+        let (value, u) = value_and_u(found.value, found.u.filter(|u| *u > 0.0), &found.unit);
         let place = match range_of(found) {
             Some(_) => format!("{} to {}", at(answer, &found.from), at(answer, &found.to)),
             None => at(answer, &found.to),
@@ -73,12 +79,25 @@ fn density(answer: &Volumetric) -> String {
     format!("Looked at: {}. {misses}", steps.join(", "))
 }
 
+/// Directions whose range is not known, `Z, A, B`; empty where all are.
+fn not_known(answer: &Volumetric, of: fn(Joint) -> bool) -> String {
+    let unknown = answer.values.iter().filter(|found| found.value.is_none()).filter_map(range_of);
+    let names: Vec<&str> = unknown.filter(|letter| of(*letter)).map(|letter| letter.as_str()).collect();
+    names.join(", ")
+}
+
 /// What the figures are and what they lack, in sentences.
 pub fn notes(answer: &Volumetric) -> Vec<String> {
     let mut notes = vec![match answer.datum {
         Datum::Fit => "Deviation of tool against table in the axes of the table; the rigid displacement of the whole volume that fits best is removed (how the workpiece is set).".to_owned(),
         Datum::Model => "Deviation of tool against table in the axes of the table, in the coordinate system that the zeros of the model's parameters define.".to_owned(),
     }];
+    let not_known = not_known(answer, |_| true);
+    if !not_known.is_empty() {
+        notes.push(format!(
+            "Not known in {not_known}: {NOT_CHANGED} over this volume. The machine may have errors there; a model with effects that change it shows them."
+        ));
+    }
     notes.push(density(answer));
     if answer.lower_bound {
         let alike = answer.unseen.chunk_by(|a, b| a.moves == b.moves);
@@ -108,7 +127,8 @@ pub fn notes(answer: &Volumetric) -> Vec<String> {
     notes
 }
 
-/// The error map as CSV: `x_mm … c_deg` of the axes that move or stand, then deviations and standard uncertainties.
+/// The error map as CSV: `x_mm … c_deg` of the axes that move or stand, then deviations and standard uncertainties; empty where nothing of the
+/// model moves a component.
 pub fn error_map_csv(map: &ErrorMap) -> String {
     let mut head: Vec<String> = map
         .axes
@@ -122,7 +142,9 @@ pub fn error_map_csv(map: &ErrorMap) -> String {
     let mut text = head.join(",") + "\n";
     for place in &map.places {
         let position = place.position.iter().map(|at| format!("{:.6}", at + 0.0));
-        let deviations = place.error.iter().chain(&place.u).map(|value| format!("{:.5}", value + 0.0));
+        let deviation =
+            |value: &Option<f64>| value.map_or_else(String::new, |value| format!("{:.5}", value + 0.0));
+        let deviations = place.error.iter().chain(&place.u).map(deviation);
         text += &(position.chain(deviations).collect::<Vec<_>>().join(",") + "\n");
     }
     text
@@ -147,13 +169,18 @@ pub fn location_rows(errors: &[LocationError]) -> Vec<Vec<String>> {
 
 /// Headline of the page: the worst of the position ranges.
 pub fn verdict(answer: &Volumetric) -> String {
-    let ranges = answer.values.iter().filter_map(|found| Some((range_of(found)?, found)));
-    let worst =
-        ranges.filter(|(letter, _)| !letter.is_rotary()).max_by(|a, b| a.1.value.total_cmp(&b.1.value));
-    let Some((letter, range)) = worst else { return format!("Volumetric accuracy of {}", answer.machine) };
+    let ranges = answer.values.iter().filter_map(|found| Some((range_of(found)?, found.value?, found)));
+    let worst = ranges.filter(|(letter, ..)| !letter.is_rotary()).max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((letter, value, range)) = worst else {
+        return format!("Volumetric accuracy of {}", answer.machine);
+    };
     let is_it = |name: &String| name == letter.as_str();
     let lacking =
         !answer.stood_still.is_empty() || answer.unseen.iter().any(|unseen| unseen.moves.iter().any(is_it));
     let bound = if lacking || answer.is_coarse(range) { "at least " } else { "" };
-    format!("Volumetric accuracy of {}: {bound}{} in {letter}", answer.machine, um(range.value))
+    let rest = match not_known(answer, |letter| !letter.is_rotary()) {
+        names if names.is_empty() => names,
+        names => format!("; not known in {names}"),
+    };
+    format!("Volumetric accuracy of {}: {bound}{} in {letter}{rest}", answer.machine, um(value))
 }

@@ -67,18 +67,18 @@ pub enum Datum {
 pub struct VolumetricValue {
     /// `range-x` … `range-c`, or `longest-vector`.
     pub name: String,
-    /// Value in `unit`.
-    pub value: f64,
+    /// Value in `unit`; null where no effect of the model changes it over the volume, so that it is not known.
+    pub value: Option<f64>,
     /// Standard uncertainty in `unit`.
-    pub u: f64,
+    pub u: Option<f64>,
     /// By how much more it may be between the places of the grid.
     #[serde(default)]
     pub missed: f64,
     /// Unit.
     pub unit: String,
-    /// Axis positions of the lowest deviation, mm and degrees.
+    /// Axis positions of the lowest deviation, mm and degrees; empty where it is not known.
     pub from: BTreeMap<String, f64>,
-    /// Axis positions of the highest.
+    /// Axis positions of the highest; empty where it is not known.
     pub to: BTreeMap<String, f64>,
 }
 
@@ -131,10 +131,10 @@ pub struct ErrorAt {
     pub position: Vec<f64>,
     /// Nominal tool point, table axes, mm.
     pub in_table_mm: [f64; 3],
-    /// Deviation of tool against table, table axes.
-    pub error: [f64; 6],
+    /// Deviation of tool against table, table axes; null where no effect of the model moves it at any place.
+    pub error: [Option<f64>; 6],
     /// Its standard uncertainty.
-    pub u: [f64; 6],
+    pub u: [Option<f64>; 6],
 }
 
 impl ErrorMap {
@@ -142,7 +142,10 @@ impl ErrorMap {
     pub fn new(map: &methods::VolumetricMap, axes: &[Joint]) -> Self {
         let um_urad = |twist: &Twist| {
             let inside = components(twist);
-            std::array::from_fn(|k| if k < 3 { um_from_mm(inside[k]) } else { urad_from_rad(inside[k]) })
+            std::array::from_fn(|k| {
+                let known = map.moves(k).then_some(inside[k]);
+                known.map(if k < 3 { um_from_mm } else { urad_from_rad })
+            })
         };
         let at = |point: &methods::MapPoint| ErrorAt {
             position: axes.iter().map(|&axis| screen(axis, point.position[axis])).collect(),
@@ -162,7 +165,8 @@ impl ErrorMap {
 impl Volumetric {
     /// True where the grid is too coarse for a figure: of each axis it may miss no more than a grid that is dense enough.
     pub fn is_coarse(&self, figure: &VolumetricValue) -> bool {
-        figure.missed > self.looked.len() as f64 * figure.u.max(methods::MISSES * figure.value)
+        let enough = |(value, u): (f64, f64)| self.looked.len() as f64 * u.max(methods::MISSES * value);
+        figure.value.zip(figure.u).is_some_and(|known| figure.missed > enough(known))
     }
 
     /// The figures of a map of a machine with these axes.
@@ -171,15 +175,17 @@ impl Volumetric {
             axes.iter().map(|&axis| (axis.to_string(), screen(axis, map.points[k].position[axis]))).collect()
         };
         let value = |name: String, rotation: bool, missed: f64, extreme: &methods::Extreme| {
+            let extreme = Some(extreme).filter(|found| found.is_known());
             let scaled = if rotation { urad_from_rad } else { um_from_mm };
+            let place = |of: fn(&methods::Extreme) -> usize| extreme.map(|found| at(of(found)));
             VolumetricValue {
                 name,
-                value: scaled(extreme.value),
-                u: scaled(extreme.u),
-                missed: scaled(missed),
+                value: extreme.map(|found| scaled(found.value)),
+                u: extreme.map(|found| scaled(found.u)),
+                missed: extreme.map_or(0.0, |_| scaled(missed)),
                 unit: if rotation { "urad" } else { "um" }.into(),
-                from: at(extreme.low),
-                to: at(extreme.high),
+                from: place(|found| found.low).unwrap_or_default(),
+                to: place(|found| found.high).unwrap_or_default(),
             }
         };
         let missed = |k: usize| map.looked.iter().map(|looked| looked.missed[k]).sum::<f64>();

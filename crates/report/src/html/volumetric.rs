@@ -50,8 +50,11 @@ fn views(answer: &Volumetric, map: &ErrorMap) -> String {
     let [Some(x), Some(y), Some(z)] = [(0, "X"), (1, "Y"), (2, "Z")].map(along) else {
         return String::new();
     };
-    let longest_um =
-        answer.values.iter().find(|found| found.name == "longest-vector").map_or(0.0, |v| v.value);
+    let Some(longest_um) =
+        answer.values.iter().find(|found| found.name == "longest-vector").and_then(|found| found.value)
+    else {
+        return String::new();
+    };
     let side = |of: Along<'_>| answer.volume.get(of.name).map_or(0.0, |[low, high]| high - low);
     let longest_side = [x, y, z].map(side).into_iter().fold(0.0, f64::max);
     if longest_um <= 0.0 || longest_side <= 0.0 {
@@ -62,6 +65,7 @@ fn views(answer: &Volumetric, map: &ErrorMap) -> String {
     [[x, y, z], [z, x, y], [y, z, x]]
         .into_iter()
         .filter(|[across, up, _]| side(*across) > 0.0 && side(*up) > 0.0)
+        .filter(|[across, up, _]| [across, up].iter().any(|of| is_known(map, of.coordinate)))
         .map(|view| section(map, view, magnification))
         .collect()
 }
@@ -97,7 +101,7 @@ fn section(map: &ErrorMap, [across, up, through]: [Along<'_>; 3], magnification:
     places.sort_by(|a, b| by(a, across).total_cmp(&by(b, across)).then(by(a, up).total_cmp(&by(b, up))));
     let nominal = |p: &ErrorAt| (p.in_table_mm[across.coordinate], p.in_table_mm[up.coordinate]);
     let displaced = |p: &ErrorAt| {
-        let moved = |k: usize| p.in_table_mm[k] + magnification * mm_from_um(p.error[k]);
+        let moved = |k: usize| p.in_table_mm[k] + magnification * mm_from_um(p.error[k].unwrap_or(0.0));
         (moved(across.coordinate), moved(up.coordinate))
     };
     let rows = |of: &dyn Fn(&ErrorAt) -> (f64, f64)| -> Vec<Vec<(f64, f64)>> {
@@ -108,8 +112,19 @@ fn section(map: &ErrorMap, [across, up, through]: [Along<'_>; 3], magnification:
     };
     let drawn = Lattice { nominal: rows(&nominal), displaced: rows(&displaced) };
     let title = format!("Plane {}{} at {} {:.0} mm", across.name, up.name, through.name, held[through.axis]);
-    let caption = format!("{title}; magnification of deviations {magnification:.0}");
+    let unknown: Vec<&str> =
+        [across, up].iter().filter(|of| !is_known(map, of.coordinate)).map(|of| of.name).collect();
+    let unknown = match unknown.as_slice() {
+        [] => String::new(),
+        names => format!("; not known along {}", names.join(", ")),
+    };
+    let caption = format!("{title}; magnification of deviations {magnification:.0}{unknown}");
     lattice(&title, &caption, [across.name, up.name], &drawn)
+}
+
+/// True where an effect of the model moves a coordinate somewhere in the volume.
+fn is_known(map: &ErrorMap, coordinate: usize) -> bool {
+    map.places.iter().any(|place| place.error[coordinate].is_some())
 }
 
 /// Lines drawn along an axis, at most; of more places every n-th.

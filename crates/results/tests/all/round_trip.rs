@@ -104,9 +104,9 @@ fn findings_plan_preview_ladder_and_volume_return() {
     returns(&accuracy);
     returns(&deviations);
     // The range in X that is printed is that of the map.
-    let x = || deviations.places.iter().map(|place| place.error[0]);
+    let x = || deviations.places.iter().map(|place| place.error[0].unwrap());
     let range_um = x().fold(f64::MIN, f64::max) - x().fold(f64::MAX, f64::min);
-    assert!((range_um - accuracy.values[0].value).abs() < 1e-9 * range_um, "{range_um}");
+    assert!((range_um - accuracy.values[0].value.unwrap()).abs() < 1e-9 * range_um, "{range_um}");
     let errors = trunnion_methods::AxisErrors::new(&experiment, &model, &fitted).unwrap();
     returns(&AxisErrors::from(&errors));
     model.effects.push(ModelEffect {
