@@ -1,6 +1,6 @@
 //! Which axis made the deviation, through the binary: on the simulator, and S3's example on the hybrid machine.
 
-use crate::program::output;
+use crate::program::{json, output, refused, trunnion, written};
 use nalgebra::{Point3, Vector3};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -98,6 +98,38 @@ fn the_axis_with_the_hidden_following_error_is_named_with_its_size() {
     // 0.5 ms at 150 mm · 60°/s: 78.5 µm. 10 µm at the reversal; the nearest sample is a little after it.
     check("servo-lag:X", "0.0005", "sign = 1", "X", 78.54, 0);
     check("reversal-spike:Y", "0.010", "decay = 0.5", "Y", 10.0, 1);
+}
+
+/// A table holds both positions of a row: the way out and back changes nothing, and a path through points a tenth of a second apart, which cannot
+/// follow the turn, is no judge.
+#[test]
+fn a_run_that_went_through_a_table_is_judged_by_its_commanded_positions() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let setup = "format = \"trunnion-points/1\"\nmachine = \"table-bc\"\n[[setup]]\nname = \"low\"\ninstrument = \"r-test\"\n\
+                 nest = \"table\"\nball_in_table_mm = [150, 0, 60]\n";
+    let setup = written(dir.path(), "setup.toml", setup);
+    let cycle = shipped_cycle("r-test-sweep-c");
+    let again = |id: &str, amplitude: &str| {
+        let table = [("MACHINE", "table-bc"), ("BALL", "150.0, 0.0, 60.0"), ("SHAPE", "sign = 1")];
+        let replace = [&table[..], &[("ID", id), ("AMPLITUDE", amplitude)]].concat();
+        let run = simulate(dir.path(), cycle.to_str().expect("a path"), &replace);
+        let points =
+            written(dir.path(), "points.csv", &trunnion(&["export", "csv", run.to_str().expect("a path")]));
+        let imported = dir.path().join("imported.mcap").display().to_string();
+        let _ = std::fs::remove_file(&imported);
+        trunnion(&["import", &points, "--setup", &setup, "--kind", "on-the-fly", "-o", &imported]);
+        imported
+    };
+    let exact = again("backlash:C", "0.00005");
+    let found = json(&["attribute", &exact, "--json"]);
+    assert_eq!(found["values"][0]["value"], 0.0, "{found}");
+    assert!(found["notes"][0].as_str().expect("a note").contains("the same positions twice"), "{found}");
+    let error = refused(&["attribute", &exact, "--smooth"]);
+    assert!(error.contains("not separated") && error.contains("x_actual_mm"), "{error}");
+
+    let late = json(&["attribute", &again("servo-lag:X", "0.0005"), "--json"]);
+    let peaks = peaks(&late);
+    assert!(peaks.len() == 1 && peaks[0].0 == "X" && (peaks[0].1 / 78.54 - 1.0).abs() < 0.01, "{peaks:?}");
 }
 
 /// A circle of X and Y as ISO 230-4 has it: each axis sticks for 8 µm where it turns round.

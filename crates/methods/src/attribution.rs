@@ -3,10 +3,11 @@
 //! `share_k(t) = f(q(t)) − f(q(t) with q_k ideal)`, q the positions that the axes' own encoders measured, f the exact pose of
 //! the tool against the table: what disappears when the measured motion of axis k alone is replaced by its ideal motion.
 //! Deviations of the tool point and rotations of the tool are in machine axes.
-//! The ideal motion comes from the cycle where there is one (`ideal::from_cycle`), else it is a smooth path through the measured
-//! positions of each axis (S3: "an approximated curve").
+//! The ideal motion comes from the cycle where there is one (`ideal::of_cycle`), from the commanded positions where a table has
+//! them, else it is a smooth path through the measured positions of each axis (S3: "an approximated curve").
 //! Limits: an encoder sees what its own axis does: lag, reversal spikes, cyclic speed. Errors between encoders and tool
-//! (geometry, backlash behind an encoder, bending) are in no share.
+//! (geometry, backlash behind an encoder, bending) are in no share. A smooth path cannot bend within two knots: it is held against one
+//! with twice the knots, and refused where the deviation is mostly such a bend.
 
 mod error;
 mod ideal;
@@ -74,16 +75,37 @@ const FEWEST: usize = 16;
 /// Rounding of the rotation of a pose: nothing is smaller, rad.
 const ROUNDING_RAD: f64 = 1e-12;
 
+/// Share of the largest deviation that is left on a path with twice the knots. Scatter keeps √(2/3) = 0.82 of it at the fewest
+/// samples, four a knot; what is shorter than half a knot keeps all; a bend keeps 1/16 (`smooth`).
+const LEFT_WITH_TWICE_THE_KNOTS: f64 = 0.7;
+/// Nothing below the last digit of a table shows, mm.
+const SHOWN_MM: f64 = 1e-5;
+
 /// Judges a motion.
 ///
 /// # Errors
-/// Too few positions, knots that do not fit them, a cycle or positions that do not fit the machine.
+/// Too few positions, knots that do not fit them or the way an axis bends, a cycle or positions that do not fit the machine.
 pub fn attribute(motion: &Motion<'_>) -> Result<Attribution, AttributionError> {
     let run = motion.run.to_string();
     if motion.samples.len() < FEWEST {
         return Err(AttributionError::NoAxes { run, found: motion.samples.len(), least: FEWEST });
     }
-    let found = ideal::find(motion)?;
+    let attribution = shared(motion, ideal::find(motion)?)?;
+    if matches!(attribution.ideal, Ideal::Smooth { .. }) {
+        let (peak_mm, axis) = attribution.largest_share();
+        let (finer_mm, _) = shared(motion, ideal::smoothed_twice_as_fine(motion)?)?.largest_share();
+        if peak_mm > SHOWN_MM && finer_mm < LEFT_WITH_TWICE_THE_KNOTS * peak_mm {
+            let axis = axis.map_or_else(String::new, |axis| axis.to_string());
+            let (peak_um, finer_um) = (1e3 * peak_mm, 1e3 * finer_mm);
+            return Err(AttributionError::Bends { run, axis, knot_s: motion.knot_s, peak_um, finer_um });
+        }
+    }
+    Ok(attribution)
+}
+
+/// The shares of the axes against an ideal motion.
+fn shared(motion: &Motion<'_>, found: ideal::Found) -> Result<Attribution, AttributionError> {
+    let run = motion.run.to_string();
     let none = JointErrors::default();
     let machine = motion.machine;
     let axes: Vec<Joint> = machine.axes().map(|axis| axis.letter).collect();
@@ -138,6 +160,13 @@ pub fn attribute(motion: &Motion<'_>) -> Result<Attribution, AttributionError> {
         together,
         beyond_sum_mm,
     })
+}
+
+impl Attribution {
+    /// Largest deviation of the tool point that one axis made, mm, and which one.
+    fn largest_share(&self) -> (f64, Option<Joint>) {
+        self.shares.first().map_or((0.0, None), |share| (share.deviation.peak_mm(), Some(share.axis)))
+    }
 }
 
 impl Deviation {

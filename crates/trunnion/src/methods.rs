@@ -3,7 +3,7 @@
 use crate::gaps::Missing;
 use crate::{Error, Experiment, Fit, files, open};
 use std::path::Path;
-use trunnion_core::{Joint, chain, names};
+use trunnion_core::{AxisValues, Joint, chain, names};
 use trunnion_cycles::Cycle;
 use trunnion_engine::ExperimentError;
 use trunnion_methods::Findings;
@@ -11,6 +11,7 @@ use trunnion_methods::attribution::{Attribution, Motion, attribute};
 use trunnion_methods::notation::{Layout, Notation};
 use trunnion_methods::recipes::{self, Method, MethodOptions};
 use trunnion_methods::volumetric::{Datum, Volume, VolumeError, VolumetricMap};
+use trunnion_record::Recording;
 use trunnion_results as results;
 
 /// Volumetric accuracy of a machine by a fitted model.
@@ -191,11 +192,13 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
         false => Some(Cycle::parse(&format!("the cycle in {}", path.display()), text)?),
     };
     let run = &recording.run;
+    let commanded = if smooth { None } else { commanded(&recording) };
     let attribution = attribute(&Motion {
         run: &run.name,
         machine: &run.machine,
         samples: &recording.axis_samples,
         cycle: cycle.as_ref(),
+        commanded: commanded.as_deref(),
         knot_s,
     });
     let doubts = doubts(path);
@@ -217,6 +220,18 @@ pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attribute
         findings: results::Findings { plausibility: doubts?, ..(&found).into() },
         missing: Missing::of_samples(path, recording.damage.as_ref())?,
     })
+}
+
+/// Where the control asked the axes to be at each of their samples: a table has both in one row. Points that were formed from probes have the positions
+/// of the encoders.
+fn commanded(recording: &Recording) -> Option<Vec<AxisValues<f64>>> {
+    let (samples, points) = (&recording.axis_samples, &recording.run.points);
+    let of_a_table = recording.header.probes.is_empty() && points.len() == samples.len();
+    let positions = points
+        .iter()
+        .zip(samples)
+        .map(|(point, sample)| (point.state.time_s == Some(sample.time_s)).then_some(point.state.position));
+    of_a_table.then(|| positions.collect()).flatten()
 }
 
 /// Asked as every command asks it, of points that are formed from the samples again.

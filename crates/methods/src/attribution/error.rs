@@ -29,6 +29,25 @@ pub enum AttributionError {
         /// Largest possible.
         high: f64,
     },
+    /// A smooth path that cannot follow the axes.
+    #[error(
+        "recording {run}: a smooth path with knots every {knot_s} s leaves {peak_um:.1} µm of {axis}, one with knots every {} s {finer_um:.1} µm, so that \
+         the bends of its path and its errors are not separated. Import the table with the commanded positions next to those of the encoders (x_mm and \
+         x_actual_mm), or try a smaller --knot-s",
+        knot_s / 2.0
+    )]
+    Bends {
+        /// The recording.
+        run: String,
+        /// The axis with the largest share.
+        axis: String,
+        /// Distance of the knots.
+        knot_s: f64,
+        /// Its largest deviation.
+        peak_um: f64,
+        /// The largest of any axis with twice the knots.
+        finer_um: f64,
+    },
     /// The cycle does not fit the machine.
     #[error("the cycle of recording {run} cannot be run on its machine")]
     Cycle {
@@ -57,6 +76,7 @@ impl AttributionError {
             Self::NoAxes { .. } | Self::Cycle { .. } | Self::NoPose { .. } => true,
             // Without any possible distance the recording is too short for a path.
             Self::Knots { low, high, .. } => low > high,
+            Self::Bends { .. } => false,
         }
     }
 }

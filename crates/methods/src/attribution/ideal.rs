@@ -1,4 +1,4 @@
-//! The ideal motion: from the cycle, or a smooth path.
+//! The ideal motion: from the cycle, from commanded positions, or a smooth path.
 //!
 //! A cycle on the fly turns one axis at a constant feed while the linear axes follow the ball, or follows a curve at a constant
 //! feed. Each pass is found in the measured positions; a straight line through the angle over time is its ideal motion, and the
@@ -45,7 +45,34 @@ pub(super) fn find(motion: &Motion<'_>) -> Result<Found, AttributionError> {
             Err(why) => why,
         },
     };
-    smoothed(motion, why)
+    match motion.commanded {
+        Some(commanded) => Ok(asked(motion, commanded, why)),
+        None => smoothed(motion, why),
+    }
+}
+
+/// Every sample where the control asked the axes to be then.
+fn asked(motion: &Motion<'_>, commanded: &[AxisValues<f64>], why: String) -> Found {
+    let times: Vec<f64> = motion.samples.iter().map(|sample| sample.time_s).collect();
+    Found {
+        samples: (0..times.len()).collect(),
+        positions: commanded.to_vec(),
+        passes: stretches(&times),
+        ..Found::none_yet(Ideal::Commanded { why })
+    }
+}
+
+impl Found {
+    fn none_yet(ideal: Ideal) -> Self {
+        Self {
+            ideal,
+            samples: Vec::new(),
+            positions: Vec::new(),
+            angle_rad: Vec::new(),
+            passes: Vec::new(),
+            left_out: LeftOut::default(),
+        }
+    }
 }
 
 /// The ideal motion by the cycle, or in words why the recording does not show it.
@@ -64,14 +91,7 @@ fn of_cycle(motion: &Motion<'_>, cycle: &Cycle) -> Result<Result<Found, String>,
             passes.len()
         )));
     }
-    let mut found = Found {
-        ideal: Ideal::Cycle { name: cycle.name.clone(), turning: lead.turning },
-        samples: Vec::new(),
-        positions: Vec::new(),
-        angle_rad: Vec::new(),
-        passes: Vec::new(),
-        left_out: LeftOut::default(),
-    };
+    let mut found = Found::none_yet(Ideal::Cycle { name: cycle.name.clone(), turning: lead.turning });
     for (whole, sweep) in passes.into_iter().zip(&sweeps) {
         let (samples, angle_rad) = (&motion.samples[whole.clone()], &lead.angle_rad[whole.clone()]);
         let feed = usual_speed(samples, angle_rad);
@@ -213,22 +233,24 @@ fn line(samples: &[AxisSample], angle_rad: &[f64]) -> Line {
 
 /// Every axis on a smooth path of its own, from one gap in the samples to the next.
 fn smoothed(motion: &Motion<'_>, why: String) -> Result<Found, AttributionError> {
+    with_knots(motion, why, motion.knot_s)
+}
+
+/// The same samples on a path with twice the knots, to hold the first one against.
+pub(super) fn smoothed_twice_as_fine(motion: &Motion<'_>) -> Result<Found, AttributionError> {
+    with_knots(motion, String::new(), motion.knot_s / 2.0)
+}
+
+fn with_knots(motion: &Motion<'_>, why: String, knot_s: f64) -> Result<Found, AttributionError> {
     let times: Vec<f64> = motion.samples.iter().map(|sample| sample.time_s).collect();
-    let mut found = Found {
-        ideal: Ideal::Smooth { knot_s: motion.knot_s, why },
-        samples: Vec::new(),
-        positions: Vec::new(),
-        angle_rad: Vec::new(),
-        passes: Vec::new(),
-        left_out: LeftOut::default(),
-    };
+    let mut found = Found::none_yet(Ideal::Smooth { knot_s: motion.knot_s, why });
     let stretches = stretches(&times);
     for stretch in &stretches {
         let times = &times[stretch.clone()];
         if !possible(times).contains(&motion.knot_s) {
             continue;
         }
-        let Some(path) = smooth::Path::over(times, motion.knot_s) else { continue };
+        let Some(path) = smooth::Path::over(times, knot_s) else { continue };
         let mut positions = vec![AxisValues::default(); times.len()];
         for axis in motion.machine.axes() {
             let measured: Vec<f64> =

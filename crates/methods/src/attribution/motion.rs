@@ -1,6 +1,6 @@
 //! A motion that can be judged, and where its ideal comes from.
 
-use trunnion_core::{AxisSample, Joint};
+use trunnion_core::{AxisSample, AxisValues, Joint};
 use trunnion_cycles::Cycle;
 use trunnion_machine::Machine;
 
@@ -15,6 +15,8 @@ pub struct Motion<'a> {
     pub samples: &'a [AxisSample],
     /// The cycle that was run.
     pub cycle: Option<&'a Cycle>,
+    /// Where the control asked the axes to be at each sample, mm and rad, where a table says so.
+    pub commanded: Option<&'a [AxisValues<f64>]>,
     /// Distance of the knots of a smooth path, s: what lasts longer passes for the path.
     pub knot_s: f64,
 }
@@ -28,6 +30,11 @@ pub enum Ideal {
         name: String,
         /// The axis that turns; `None` along a curve.
         turning: Option<Joint>,
+    },
+    /// What the control asked for at each sample.
+    Commanded {
+        /// Why not the cycle; empty when there was none.
+        why: String,
     },
     /// A smooth path through the measured positions of each axis.
     Smooth {

@@ -166,8 +166,19 @@ impl Attribution {
                  them then. A delay common to all axes is in no share.",
                 lead(*turning)
             ),
+            Ideal::Commanded { why } => format!(
+                "Ideal motion: the commanded positions of the table{}. A delay common to all axes is in the share of each, and \
+                 cancels in all together.{}",
+                in_brackets(why),
+                if self.shares.is_empty() {
+                    " The encoders read exactly what was commanded, in every row: check that the table does not hold the same \
+                     positions twice."
+                } else {
+                    ""
+                }
+            ),
             Ideal::Smooth { knot_s, why } => {
-                let reason = if why.is_empty() { String::new() } else { format!(" ({why})") };
+                let reason = in_brackets(why);
                 format!(
                     "Ideal motion: a smooth path through the measured positions of each axis, knots every {knot_s} s{reason}. \
                      What lasts longer than that passes for the path."
@@ -197,11 +208,16 @@ impl Attribution {
                 "{of_all}: those at the constant feed of a pass. Left out: {run_in_and_out} of run-in and run-out, {elsewhere} \
                  outside the passes."
             ),
-            (Ideal::Smooth { .. }, _) => {
+            (Ideal::Commanded { .. } | Ideal::Smooth { .. }, _) => {
                 format!("{of_all}. Left out: {elsewhere} in stretches too short for a smooth path.")
             }
         }
     }
+}
+
+/// Why not the cycle; nothing where there was none.
+fn in_brackets(why: &str) -> String {
+    if why.is_empty() { String::new() } else { format!(" ({why})") }
 }
 
 /// What leads the motion of a cycle.

@@ -50,8 +50,8 @@ fn attributed(beyond: impl Fn(f64) -> f64) -> Attribution {
         }
         begin_s = end_s + DWELL_S;
     }
-    let motion =
-        Motion { run: "sweep", machine: &machine, samples: &samples, cycle: Some(&cycle), knot_s: 1.0 };
+    let (machine, samples) = (&machine, &samples[..]);
+    let motion = Motion { run: "sweep", machine, samples, cycle: Some(&cycle), commanded: None, knot_s: 1.0 };
     attribute(&motion).unwrap()
 }
 
