@@ -4,6 +4,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use std::f64::consts::TAU;
 use trunnion_core::axis::iso::{X, Y};
+use trunnion_core::direction::Travel;
 use trunnion_core::{Point, Quality, State};
 use trunnion_cycles::Pace;
 use trunnion_cycles::{Cycle, Run, RunKind};
@@ -387,4 +388,54 @@ fn a_static_run_whose_rows_follow_the_path_has_the_speed_of_its_times() {
     assert!(found.value("XY servo X−Y × speed").is_some());
     let note = found.notes.iter().find(|note| note.contains("knows no speed")).expect("a note");
     assert!(note.contains("has time_s") && note.contains("--kind on-the-fly"), "{note}");
+}
+
+/// What a table without directions becomes, of readings that stick where the row before says that the axis has reversed.
+#[test]
+fn a_row_between_two_directions_spoils_no_spike_and_no_backlash() {
+    let stuck = |state: &State| {
+        let spike = -6.0 * UM * state.direction[Y] * (-state.since_reversal[Y].abs() / 2.5).exp();
+        (-2.0 * UM * state.direction[X], spike)
+    };
+    for seed in 1..=6 {
+        let read = circle_with(stuck, 0.3, false, seed);
+        let by_speed = |point: &Point| {
+            let mut point = point.clone();
+            for joint in [X, Y] {
+                let turned = point.state.velocity[joint].signum();
+                if turned != point.state.direction[joint] {
+                    point.state.direction[joint] = turned;
+                    point.state.since_reversal[joint] = R_MM - point.state.position[joint].abs();
+                }
+            }
+            point
+        };
+        let moving = Run { points: read.points.iter().map(by_speed).collect(), ..read.clone() };
+        let mut travel = Travel::default();
+        let by_row = |point: &Point| {
+            let position = point.state.position;
+            let mut state = State { position, time_s: point.state.time_s, ..State::default() };
+            travel.fill(&mut state, &[X, Y]);
+            Point { state, ..point.clone() }
+        };
+        let points = read.points.iter().map(by_row).collect();
+        let at_rest = Run { kind: RunKind::Static, points, ..read };
+        for run in [moving, at_rest] {
+            let kind = run.kind;
+            let found = circular(run);
+            for (name, put_in) in [("reversal spike Y", 6.0 * UM), ("backlash X", -4.0 * UM)] {
+                let value = found.value(&format!("XY {name}")).unwrap();
+                let u = value.u.unwrap();
+                assert!(u < 0.2 * UM, "{seed}, {kind:?}: {value:?}");
+                near(value.value, put_in, 4.5 * u, &format!("{seed}, {kind:?}: {name}"));
+            }
+            assert!(
+                found.notes.iter().any(|note| note.contains("just after an axis reversed")),
+                "{:?}",
+                found.notes
+            );
+            let said = format!("{:?} {:?}", found.notes, found.values);
+            assert!(!said.contains("backlash:X"), "{said}");
+        }
+    }
 }

@@ -137,8 +137,13 @@ pub(super) fn others(
     }
     let machine = &trace.run.machine;
     let is_tried = |cause: &Instance| {
+        let Subject::Axis(joint) = cause.subject() else { return false };
+        let id = cause.id();
+        let phenomenon = id.split(':').next().unwrap_or_default();
+        let is_listed = |kind: &ListedKind| kind.is_wholly(phenomenon, joint, trace.plane);
         matches!(cause.role(), Role::Cause { .. })
-            && matches!(cause.subject(), Subject::Axis(joint) if trace.plane.contains(&joint))
+            && trace.plane.contains(&joint)
+            && !kinds.iter().any(is_listed)
             && cause.out_of_reach(&within.scene).is_none()
             && cause.shapes(&within.scene).names.is_empty()
     };

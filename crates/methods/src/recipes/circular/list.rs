@@ -34,6 +34,16 @@ pub(super) enum ListedKind {
 }
 
 impl ListedKind {
+    /// Whether it is this cause of an axis of the plane, under one number: then nothing of the cause is missing from the list.
+    pub fn is_wholly(self, phenomenon: &str, axis: Joint, plane: [Joint; 2]) -> bool {
+        match self {
+            Self::Backlash(k) | Self::ReversalSpike(k) => {
+                self.phenomenon() == Some(phenomenon) && plane[k] == axis
+            }
+            _ => false,
+        }
+    }
+
     /// The phenomenon of the catalogue that it is; `None` for what the catalogue lacks.
     pub fn phenomenon(self) -> Option<&'static str> {
         match self {

@@ -13,14 +13,19 @@ const APART: f64 = 0.002;
 /// Readings by an end that the run counts to the way before it, of so many steps. A direction from row to row changes one row late.
 const LATE_STEPS: f64 = 1.5;
 
-/// True just beyond an end of a diameter, where the run says that the axis has not reversed yet: by one of both the reading would be wrong.
-pub(super) fn is_between(sample: &Sample, usual_step_rad: f64) -> bool {
+/// True just beyond an end of a diameter, where the run says that the axis has not reversed yet, or where the axis came from the row `before` of the
+/// same pass against the way it goes: direction from row to row and direction by speed differ there, and by one of both the reading would be wrong.
+pub(super) fn is_between(before: Option<&Sample>, sample: &Sample, usual_step_rad: f64) -> bool {
     let (sin, cos) = sample.angle_rad.sin_cos();
     let is_late = |k: usize| {
         let from_end = [sin, cos][k].abs();
         sample.direction[k] != sample.heading(k) && from_end <= LATE_STEPS * usual_step_rad
     };
-    is_late(0) || is_late(1)
+    let came_against = |k: usize| {
+        let came = |before: &Sample| [cos, sin][k] - [before.angle_rad.cos(), before.angle_rad.sin()][k];
+        before.is_some_and(|before| came(before) * sample.heading(k) <= 0.0)
+    };
+    is_late(0) || is_late(1) || came_against(0) || came_against(1)
 }
 
 /// Fills `reversal` of the samples, which hold what the run states, pass by pass. Gives the number of beginnings that are not known.

@@ -50,6 +50,8 @@ pub(super) struct Trace {
     pub read: Vec<Sample>,
     /// Those that the list is fitted to.
     pub samples: Vec<Sample>,
+    /// How many readings are in no fit because an axis reversed between them and the row before.
+    pub between: usize,
     /// How many beginnings of a pass there are at which an axis may have reversed.
     pub beginnings: usize,
 }
@@ -88,7 +90,7 @@ impl Trace {
 pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Traces, MethodError> {
     let what = "no setup holds a circle of two linear axes";
     let next = "Run a cycle such as config/cycles/circle-xy.toml; rotary axes under a ball bar are for --method ball-bar.";
-    Traces::of(method, runs, (what, next), |Mounted { name, run, setup, points }, others| {
+    Traces::of(method, runs, (what, next), |Mounted { name, run, setup, points, .. }, others| {
         let trace = match setup.instrument {
             InstrumentKind::CrossGrid => {
                 let run = plate::by_a_bar(run, setup, points)?;
@@ -197,17 +199,26 @@ fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> 
         let here = &samples[i];
         before.is_none_or(|before| begins(before, here)) || after.is_none_or(|after| begins(here, after))
     };
-    let is_used = |&i: &usize| {
-        let is_cut = run.kind == RunKind::OnTheFly && is_end(i);
-        !is_cut && !reversals::is_between(&samples[i], usual_mm / radius_mm)
+    let is_between = |i: usize| {
+        let before = i.checked_sub(1).map(|before| &samples[before]);
+        let of_pass = before.filter(|before| !begins(before, &samples[i]));
+        reversals::is_between(of_pass, &samples[i], usual_mm / radius_mm)
     };
-    let used: Vec<usize> = (0..samples.len()).filter(is_used).collect();
+    let is_cut = |i: usize| run.kind == RunKind::OnTheFly && is_end(i);
+    let (between, used): (Vec<usize>, Vec<usize>) =
+        (0..samples.len()).filter(|&i| !is_cut(i)).partition(|&i| is_between(i));
     let mut points: Vec<Point> = used.iter().map(|&i| points[i].clone()).collect();
     let read = samples;
     let mut samples: Vec<Sample> = used.iter().map(|&i| read[i]).collect();
     let beginnings = reversals::find(&mut samples, radius_mm, begins);
-    for (point, sample) in points.iter_mut().zip(&samples).filter(|_| speed == Speed::Run) {
-        move_on_circle(&mut point.state, sample, [a, b], sense, radius_mm);
+    for (point, sample) in points.iter_mut().zip(&samples) {
+        // One direction for the list and for what else may read as its errors, also where the run states none.
+        for (k, letter) in [a, b].into_iter().enumerate() {
+            point.state.direction[letter] = sense[k] * sample.direction[k];
+        }
+        if speed == Speed::Run {
+            move_on_circle(&mut point.state, sample, [a, b], sense, radius_mm);
+        }
     }
     let name = format!("{a}{b}");
     Ok(Trace {
@@ -221,6 +232,7 @@ fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> 
         on_the_fly: true,
         read,
         samples,
+        between: between.len(),
         beginnings,
     })
 }

@@ -329,6 +329,13 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
             Speed::Unknown => notes
                 .push(format!("{plane}: the run knows no speed (no time_s, no feed_mm_per_min). {distance}")),
         }
+        if fit.trace.between > 0 {
+            notes.push(format!(
+                "{plane}: left out of the fit are {} of {} readings, just after an axis reversed: rows do not say whether it goes the other way there already.",
+                fit.trace.between,
+                fit.trace.read.len()
+            ));
+        }
         if !fit.trace.calibrated {
             notes.push(format!(
                 "{plane}: the bar has no calibrated length (calibrated = true), so D, F and the mean scale are not known."
