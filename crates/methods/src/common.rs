@@ -20,6 +20,8 @@ use trunnion_cycles::Run;
 pub(crate) struct Mounted<'a> {
     /// Name of the setup, with the number of its run where there are several.
     pub name: String,
+    /// Index of the run.
+    pub at: usize,
     pub run: &'a Run,
     pub setup: &'a Setup,
     pub points: Vec<&'a Point>,
@@ -32,7 +34,7 @@ pub(crate) fn mounted(runs: &[Run]) -> Vec<Mounted<'_>> {
         for (s, setup) in run.setups.iter().enumerate() {
             let points: Vec<&Point> = run.good_points().filter(|p| p.state.setup == s).collect();
             let name = if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
-            all.push(Mounted { name, run, setup, points });
+            all.push(Mounted { name, at: i, run, setup, points });
         }
     }
     all.retain(|mounted| !mounted.points.is_empty());

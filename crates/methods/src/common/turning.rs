@@ -41,6 +41,8 @@ pub(crate) struct Turning {
 pub(crate) struct TurningSet {
     /// Name of the setup, with the run's number in front when there are several runs.
     pub name: String,
+    /// Index of the run.
+    pub run: usize,
     /// Height of the ball over the reference point of the axis, along the axis, mm.
     pub height_mm: f64,
     /// Readings in the order they were taken.
@@ -81,10 +83,10 @@ impl Turning {
             return Err(method.lacks(found, format!("Choose --axis {}.", rotary.join(" or "))));
         }
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
-        for Mounted { name, run, setup, points } in mounted(runs) {
+        for Mounted { name, at, run, setup, points } in mounted(runs) {
             match alone(machine, setup, &points) {
                 Ok(letter) if asked.is_none_or(|asked| asked == letter) => {
-                    found.push((letter, name, run, setup, points));
+                    found.push((letter, name, at, run, setup, points));
                 }
                 Ok(letter) => left_out.push(format!("setup {name}: axis {letter} turns there")),
                 Err(why) => left_out.push(format!("setup {name}: {why}")),
@@ -103,8 +105,11 @@ impl Turning {
             let found = format!("axis {axis} of machine {} lies along no coordinate", machine.name);
             method.lacks(found, "Use the joint fit (identify without --method).")
         })?;
-        let sets = found.iter().map(|(_, name, _, setup, points)| place.set(name, setup, points)).collect();
-        let on_the_fly = found.iter().any(|(_, _, run, ..)| run.kind == RunKind::OnTheFly);
+        let set = |(_, name, at, _, setup, points): &(Joint, String, usize, &Run, &Setup, Vec<&Point>)| {
+            TurningSet { run: *at, ..place.set(name, setup, points) }
+        };
+        let sets = found.iter().map(set).collect();
+        let on_the_fly = found.iter().any(|(_, _, _, run, ..)| run.kind == RunKind::OnTheFly);
         Ok(Self { axis, frame: place.frame, sets, on_the_fly, left_out })
     }
 
@@ -199,6 +204,7 @@ impl<'a> Placed<'a> {
         let position = points[0].state.position;
         TurningSet {
             name: name.into(),
+            run: 0,
             height_mm: self.height_mm(setup, &position),
             readings,
             passes,

@@ -7,12 +7,14 @@
 //! s and c by least squares over u and v together, all passes of a height; m averaged over passes both ways
 //! [S0 (Kenno 2020) §4.3, eq. 1–3; docs/design/physics.md §3]. More than two heights: the straight line through them.
 //! `--convention source` gives S0's signs: its EXC, EYC, EZC (eq. 1–2) and its EA0C (eq. 3) oppose the right-handed ones.
+//! Several runs with both heights each are evaluated one by one too (`each_run`): what differs between them is no error of one machine.
 //! Limits: the positioning error of the axis is not observable with the ball on its line; an error motion in u, v that turns
 //! once with the axis counts as setting; a constant along w counts as setting. What carries the axis is in its location
 //! errors: at B = 0 the EB0C found here contains EB0B.
 
 mod charts;
 mod circle;
+mod each_run;
 mod error_motions;
 mod fit;
 mod values;
@@ -42,6 +44,7 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let (kept, outliers) = lone::without_outliers(runs);
     let turning = Turning::of(&METHOD, &kept, options.axis)?;
     let heights = Heights::of(&METHOD, &turning)?;
-    let found = values::findings(&METHOD, &turning, &heights, runs, options.convention);
+    let each = each_run::evaluated(&METHOD, &turning, runs);
+    let found = values::findings(&METHOD, &turning, &heights, &each, runs, options.convention);
     Ok(lone::named(found, &outliers, runs, "The method"))
 }

@@ -24,3 +24,4 @@ mod quasi_static;
 mod rotary_values;
 mod roundness;
 mod thermal;
+mod two_height;

@@ -105,7 +105,7 @@ pub(super) fn recognised(method: &Method, runs: &[Run], asked: Option<Joint>) ->
     let what = format!("in no setup does a ball bar read {wanted} turning");
     let next =
         "Run a cycle such as config/cycles/s4-c.toml; circles of linear axes are for --method circular.";
-    Tracks::of(method, runs, (&what, next), |Mounted { name, run, setup, points }, _| {
+    Tracks::of(method, runs, (&what, next), |Mounted { name, run, setup, points, .. }, _| {
         let seen = Seen::of(&run.machine, setup, points)?;
         let track = seen.track(name, run.kind == RunKind::OnTheFly)?;
         match asked.is_none_or(|asked| track.kind.axis().is_some_and(|axis| axis.letter == asked)) {

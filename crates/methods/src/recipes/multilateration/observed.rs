@@ -59,7 +59,7 @@ pub(super) struct Distance {
 /// Too few stations saw the same targets.
 pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Observed, MethodError> {
     let mut found = Observed { groups: Vec::new(), left_out: Vec::new() };
-    for Mounted { name, run, setup, points } in mounted(runs) {
+    for Mounted { name, run, setup, points, .. } in mounted(runs) {
         if setup.instrument != InstrumentKind::Tracker {
             found
                 .left_out

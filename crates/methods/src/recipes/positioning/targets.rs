@@ -74,7 +74,7 @@ impl Approaches {
 pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Traces, MethodError> {
     let what = "no setup holds targets of one linear axis";
     let next = "Run a cycle such as config/cycles/linear-x.toml.";
-    Traces::of(method, runs, (what, next), |Mounted { name, run, setup, points }, others| {
+    Traces::of(method, runs, (what, next), |Mounted { name, run, setup, points, .. }, others| {
         let trace = trace(&run.machine, setup, points)?;
         let taken = others.iter().any(|other| other.name == trace.name);
         let name = if taken { format!("{} {name}", trace.name) } else { trace.name };

@@ -2,6 +2,7 @@
 
 use super::charts::charts;
 use super::circle::Circle;
+use super::each_run::{self, OfRun, OverRuns};
 use super::error_motions::{ErrorMotion, Signs, error_motions};
 use super::fit::{HeightFit, Heights};
 use crate::common::harmonics::{self, Harmonics};
@@ -17,11 +18,18 @@ pub(super) fn findings(
     method: &Method,
     turning: &Turning,
     heights: &Heights,
+    each: &[OfRun],
     runs: &[Run],
     convention: Convention,
 ) -> Findings {
     let signs = Signs::of(convention);
+    let located: Vec<Vec<FoundValue>> =
+        each.iter().map(|run| location(turning, &run.heights, &signs)).collect();
+    let over_runs = OverRuns::all(&located);
     let mut values = location(turning, heights, &signs);
+    if !over_runs.is_empty() {
+        values = over_runs.iter().zip(values).map(|(of_runs, common)| of_runs.widened(common)).collect();
+    }
     values.extend(settings(turning, heights));
     let motions = error_motions(turning, heights, &signs);
     // They are judged together, so 5 % is the chance that noise makes any of them significant.
@@ -34,9 +42,16 @@ pub(super) fn findings(
     let harmonics: Vec<_> = judged.into_iter().filter_map(listed).collect();
     Findings {
         values,
-        tables: std::iter::once(passes(turning, heights)).chain(harmonics::table(&harmonics)).collect(),
-        charts: charts(turning, heights, &signs),
-        notes: notes(turning, heights),
+        tables: each_run::tables(each, &located)
+            .into_iter()
+            .chain([passes(turning, heights)])
+            .chain(harmonics::table(&harmonics))
+            .collect(),
+        charts: each_run::overlay(turning, each)
+            .into_iter()
+            .chain(charts(turning, heights, &signs))
+            .collect(),
+        notes: each_run::doubt(&located).into_iter().chain(notes(turning, heights)).collect(),
         ..method.findings(runs, convention)
     }
 }
