@@ -58,7 +58,7 @@ impl Disk {
     }
 
     /// [`Self::take_again`] where the disk may be slow.
-    async fn is_taken_otherwise(self) -> bool {
+    async fn looked_at_again(self) -> bool {
         tokio::task::spawn_blocking(move || self.take_again()).await.unwrap_or_else(|_| {
             error!("the folder was not locked; this is a defect of the program");
             false
@@ -152,7 +152,7 @@ impl Disk {
             let is_set = (self.clock.set_s() - set_s).abs() > WallClock::SET.as_secs_f64();
             let is_time = looks.is_multiple_of(TIDY_EVERY) && now.failing.is_none();
             let is_due = is_news || is_time || is_set;
-            let is_other = (is_due || is_refused) && self.clone().is_taken_otherwise().await;
+            let is_other = (is_due || is_refused) && self.clone().looked_at_again().await;
             if is_due || is_other {
                 before = now;
                 self.tidy().await;
