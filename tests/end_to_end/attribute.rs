@@ -115,8 +115,7 @@ fn a_run_that_went_through_a_table_is_judged_by_its_commanded_positions() {
         let run = simulate(dir.path(), cycle.to_str().expect("a path"), &replace);
         let points =
             written(dir.path(), "points.csv", &trunnion(&["export", "csv", run.to_str().expect("a path")]));
-        let imported = dir.path().join("imported.mcap").display().to_string();
-        let _ = std::fs::remove_file(&imported);
+        let imported = dir.path().join(format!("imported-{amplitude}.mcap")).display().to_string();
         trunnion(&["import", &points, "--setup", &setup, "--kind", "on-the-fly", "-o", &imported]);
         imported
     };
