@@ -1,7 +1,7 @@
 //! `trunnion demo`: the main job on the simulator, through real ports.
 //!
 //! The simulator hides an effect and seals the truth; the program measures through its own drivers, identifies,
-//! doubts, names what is missing, adds it. Only when all is printed the seal is broken.
+//! doubts, names what is missing, adds it; with a page the person adds. Only when all is said the seal is broken.
 
 mod losses;
 mod page;
@@ -16,7 +16,7 @@ use page::DemoPage;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-use story::{story, truth_text};
+use story::{proposed, story, truth_text};
 use tokio_util::sync::CancellationToken;
 use trunnion::cycles::{Cycle, Motion};
 use trunnion::results::number::um;
@@ -61,7 +61,7 @@ pub struct Args {
     /// Leave out the on-the-fly cycle
     #[arg(long)]
     static_only: bool,
-    /// Show it on a page for the browser of this computer too; the page stays until Ctrl-C
+    /// Show it on a page for the browser of this computer too, where you add what is missing; Ctrl-C ends the page and breaks the seal
     #[arg(long)]
     page: bool,
     /// Print JSON instead of the story
@@ -164,11 +164,17 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     let (path, base) = (recorded.path.clone(), Model::base(&machine.name));
     let analysed =
         tokio::task::spawn_blocking(move || daemon::analyse_recording(&path, &base, &date)).await??;
-    show(&story(&analysed))?;
+    // With a page the terminal proposes, the person adds: all that follows is of the model that was judged.
+    let (words, left) = match &served {
+        Some(served) => (proposed(&analysed, &served.address()), analysed.first()),
+        None => (story(&analysed), analysed.last()),
+    };
+    show(&words)?;
     let mut losses = pages::losses(&recorded.gaps, recorded.lost_samples);
     // The page that follows the demo opens it as soon as there is a result.
     let report = args.output.join("report.html");
-    output::write(&report, &analysed.compare().with_losses(&losses).page())?;
+    let compared = left.compare().with_left_out(analysed.left_out());
+    output::write(&report, &compared.with_losses(&losses).page())?;
     let found =
         RunResult { report: report.display().to_string(), ..daemon::in_short(&recorded.path, &analysed) };
     board.publish(&ResultNow::Found(Box::new(found)));
@@ -187,7 +193,7 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         losses.extend(pages::losses(&swept.gaps, swept.lost_samples));
         let swept_runs = trunnion::open(&swept.path)?;
         // What a turning C cannot show is left out, not guessed.
-        let fit = swept_runs.fit_within_reach(analysed.fit().model())?.results();
+        let fit = swept_runs.fit_within_reach(left.fit().model())?.results();
         timing.extend(swept_runs.time_quality());
         show(&format!(
             "Recorded {}; {} points while turning. The model of the static cycle leaves {} there, {}.\n",
@@ -203,33 +209,45 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     if !why_lost.is_empty() {
         show(&format!("{why_lost}\n"))?;
     }
-    let compared = analysed.compare().with_losses(&losses).with_time_quality(&timing);
-    output::write(&report, &compared.page())?;
     // Where the page and `open` look for it.
     let model_path = own_model(&recorded.path);
-    analysed.fit().model().save(&model_path)?;
-    show(&format!("\nReport: {}\nModel:  {}\n", report.display(), model_path.display()))?;
-    show(&format!("\nThe seal is broken. {}\n", truth_text(&virtual_machine, &analysed, &truth_path)))?;
+    let left = match served {
+        None => {
+            left.fit().model().save(&model_path)?;
+            left.clone()
+        }
+        Some(served) => {
+            show("\nThe seal is broken when Ctrl-C ends the page.\n")?;
+            served.until_interrupted(&show).await?;
+            let (path, model) = (recorded.path.clone(), Model::load_or_base(&model_path, &machine.name)?);
+            let judged = move || Ok::<_, trunnion::Error>(trunnion::open(path)?.fit(&model)?.compare());
+            tokio::task::spawn_blocking(judged).await??.diagnosed().clone()
+        }
+    };
+    let compared = left.compare().with_left_out(analysed.left_out());
+    output::write(&report, &compared.with_losses(&losses).with_time_quality(&timing).page())?;
+    show(&format!("\nReport: {}\n", report.display()))?;
+    if model_path.exists() {
+        show(&format!("Model:  {}\n", model_path.display()))?;
+    }
+    show(&format!("\nThe seal is broken. {}\n", truth_text(&virtual_machine, left.fit(), &truth_path)))?;
     if args.json {
-        let ladder = analysed.fit().model().ladder();
+        let ladder = left.fit().model().ladder();
         terminal::print_json(&Demo {
             format: DemoFormat::V1,
             seed: args.seed,
             hidden: virtual_machine.truth().hidden.iter().map(hidden::Hidden::id).collect(),
-            found: analysed.added().into_iter().map(String::from).collect(),
+            found: ladder.added().map(|(effect, _)| effect.into()).collect(),
             verdict: analysed.first().results().verdict,
             diagnosis: analysed.first().results(),
             ladder: ladder.added().map(|(effect, row)| DemoStep::new(effect, row)).collect(),
-            identification: analysed.fit().results(),
-            last_diagnosis: analysed.last().results(),
+            identification: left.fit().results(),
+            last_diagnosis: left.results(),
             on_the_fly,
             report: report.display().to_string(),
             losses: losses.clone(),
             why_lost,
         })?;
-    }
-    if let Some(served) = served {
-        served.until_interrupted().await?;
     }
     Ok(if losses.is_empty() { Outcome::Done } else { Outcome::DataLoss })
 }

@@ -2,7 +2,6 @@
 
 use crate::commands::daemon::asked_to_stop;
 use crate::commands::open::{listen, page_analyst};
-use crate::terminal;
 use anyhow::Context;
 use std::net::SocketAddr;
 use std::path::Path;
@@ -58,9 +57,9 @@ impl DemoPage {
         format!("http://{}", self.address)
     }
 
-    /// Goes on until Ctrl-C.
-    pub async fn until_interrupted(self) -> anyhow::Result<()> {
-        terminal::print(&format!("\nThe page stays at {}   (Ctrl-C ends it)\n", self.address()))?;
+    /// Goes on until Ctrl-C; `show` prints where.
+    pub async fn until_interrupted(self, show: impl Fn(&str) -> anyhow::Result<()>) -> anyhow::Result<()> {
+        show(&format!("The page stays at {}   (Ctrl-C ends it)\n", self.address()))?;
         asked_to_stop()?.await;
         self.cancel.cancel();
         self.serving.await.context("the page ended badly")?.context("the page ended")
