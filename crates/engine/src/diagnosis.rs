@@ -22,6 +22,7 @@ mod rivals;
 mod scan;
 mod scored;
 mod search;
+mod signs;
 mod sparse;
 pub mod verdict;
 mod view;

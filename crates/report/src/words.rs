@@ -140,6 +140,7 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
     ));
     sentences.extend(noticeable(diagnosis));
     sentences.extend(remaining_pattern(diagnosis));
+    sentences.extend(why(diagnosis));
     sentences
 }
 

@@ -118,7 +118,8 @@ fn adequate(args: &Args, fit: &Fit) -> anyhow::Result<Verdict> {
             "nothing was written, because the model is inadequate. {why} Add what it lacks (trunnion diagnose, trunnion add); \
              `--although-inadequate` goes on all the same"
         ),
-        Verdict::NoiseFloor => {}
+        Verdict::NoiseFloor if why.is_empty() => {}
+        Verdict::NoiseFloor => terminal::remark(&why),
         _ => terminal::remark(&format!("The model is not shown to be adequate. {why}")),
     }
     Ok(verdict)

@@ -4,6 +4,7 @@ use crate::diagnosis::entries::entries;
 use crate::diagnosis::refits::{Explained, Refit, Unfitted, errors, refits};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::Found;
+use crate::diagnosis::signs::{self, meaning_of_sign};
 use crate::diagnosis::view::{Item, What};
 use crate::fit::errors::Errors;
 use crate::problem::Problem;
@@ -150,10 +151,12 @@ impl<'a> Kept<'a> {
         })
     }
 
-    /// What the signs of what was found say of the machine.
+    /// What the signs of what is in the model, else of what was found, say of the machine.
     pub fn meaning_of_sign(&self, listed: &[(usize, Item)], refits: &[Option<Refit>]) -> Option<String> {
         let scene = &self.problem.experiment().scene;
-        self.found_refits(listed, refits).find_map(|(instance, refit)| refit.meaning_of_sign(instance, scene))
+        let mut found = self.found_refits(listed, refits);
+        signs::of_model(self.problem)
+            .or_else(|| found.find_map(|(instance, refit)| meaning_of_sign(refit.fit(), instance, scene)))
     }
 
     /// Ids of what was found with an effect in the model.

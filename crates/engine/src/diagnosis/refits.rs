@@ -15,9 +15,6 @@ use trunnion_core::number::um;
 use trunnion_effects::catalogue::effect_name;
 use trunnion_effects::{Instance, ModelEffect, Scene, Unit};
 
-/// A value so many of its standard uncertainties from zero has a sign: one in 700 has the wrong one by chance [normal distribution].
-const SURE: f64 = 3.0;
-
 /// A fit of the model with something added.
 pub struct Refit {
     added: Vec<ModelEffect>,
@@ -182,16 +179,6 @@ impl Refit {
     pub fn seen_together<'f>(&'f self, id: &'f str) -> impl Iterator<Item = &'f Combination> {
         let is_own = move |j: &usize| self.fit.parameters[*j].effect == id;
         self.fit.seen_together.iter().filter(move |combination| combination.parameters.iter().all(is_own))
-    }
-
-    /// What a parameter of `instance` says of the machine by its sign, which readings with every sign reversed turn round.
-    pub fn meaning_of_sign(&self, instance: &Instance, scene: &Scene) -> Option<String> {
-        let id = instance.id();
-        instance.parameters(scene).into_iter().find_map(|parameter| {
-            let own = self.fit.parameters.iter().find(|p| p.effect == id && p.name == parameter.name)?;
-            let (value, u) = own.value.zip(own.u)?;
-            parameter.said_by_sign(&id, value).filter(|_| value.abs() > SURE * u)
-        })
     }
 
     /// Why these readings cannot show what was added: a sudden change no larger than a step of the display is what the display makes of a

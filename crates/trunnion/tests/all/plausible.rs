@@ -277,7 +277,16 @@ fn the_sign_of_a_sag_says_what_reversed_readings_turn_round() {
     assert_eq!((answer.verdict, answer.candidates[0].effect.as_str()), (good.verdict, "gravity-sag:B"));
     let said = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains("more lying on its side than upright"), "{said}");
-    assert!(reversed.compare().page().contains("make the sign test then, before anything is changed"));
+    let warning = "make the sign test then, before anything is changed";
+    assert!(reversed.compare().page().contains(warning));
+    // In the model it says so still, on every surface.
+    let added = reversed.fit().add("gravity-sag:B").unwrap().diagnose().unwrap();
+    assert_eq!(added.results().verdict, Verdict::NoiseFloor);
+    for surface in [added.summary(), added.compare().summary(), added.compare().page()] {
+        let words = surface.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains("more lying on its side than upright") && words.contains(warning), "{words}");
+    }
+    assert!(added.compare().story().wrong.iter().any(|said| said.ends_with(&format!("{warning}."))));
 }
 
 /// In a random order no pass goes the other way; every pose may have been approached from below.
