@@ -1,5 +1,6 @@
 //! The figures of an answer, how sure it is, and what to measure next: for the report and the story of a page.
 
+use crate::added;
 use crate::number::{percent, um, um_or_dash};
 use crate::words::{
     effect_name, evidence_words, formula_leads, left_out, names, noise_origin, repeatability,
@@ -57,6 +58,9 @@ pub(crate) fn sure(input: &Comparison) -> Vec<String> {
         items.extend(held_out(diagnosis, best.holdout_rms_um_after));
         items.extend(best.remarks.iter().cloned());
         items.extend(rivals(best));
+    }
+    if diagnosis.verdict != Verdict::NotJudged {
+        items.extend(added::sure(input));
     }
     items.retain(|item| !item.is_empty());
     items

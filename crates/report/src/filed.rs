@@ -6,6 +6,7 @@ pub(crate) mod conformity;
 mod identity;
 mod not_seen;
 
+use crate::added::by_whom;
 use crate::certainty;
 use crate::html::{self, PAGE_CSS};
 use crate::language::{Language, translated};
@@ -99,19 +100,31 @@ fn before_and_after(input: &Comparison) -> String {
         .ladder
         .added()
         .map(|(effect, row)| {
+            let [by, when] = by_whom(row);
             vec![
                 effect.into(),
                 um(row.error_before_um),
                 um(row.error_after_um),
+                um_or_dash(row.holdout_before_um),
                 um_or_dash(row.holdout_after_um),
+                by,
+                when,
             ]
         })
         .collect();
     let body = match rows.is_empty() {
         true => element("p", "No effect was added to this model yet."),
         false => {
-            let head = ["effect added", "error before", "error after", "held-out after"];
-            table("Error after each added effect, rms", &head, &[1, 2, 3], &rows)
+            let head = [
+                "effect added",
+                "error before",
+                "error after",
+                "held-out before",
+                "held-out after",
+                "added by",
+                "date",
+            ];
+            table("Error before and after each added effect, rms", &head, &[1, 2, 3, 4], &rows)
         }
     };
     format!("<section><h2>Before and after</h2>\n{body}</section>\n")

@@ -5,6 +5,7 @@
 //! Everything takes an answer (`trunnion-results`) and returns a string; nothing opens a file or asks a clock. Screens
 //! show mm, µm, degrees and µrad; `residual = measured − predicted` everywhere.
 
+mod added;
 mod certainty;
 pub mod compensation;
 mod dcc;

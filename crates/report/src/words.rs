@@ -7,6 +7,7 @@ pub(crate) use frozen::frozen_headline;
 pub use frozen::{differences, frozen_sentences, not_in_band};
 pub use trial::trial_verdict;
 
+use crate::added::causes;
 use crate::number::{percent, um, um_or_dash};
 use trunnion_results::{
     Candidate, Comparison, Diagnosis, FormulaProposal, Ladder, LeftOut, Parameter, Question, SpectrumWave,
@@ -122,10 +123,7 @@ fn nothing_left(input: &Comparison, diagnosis: &Diagnosis) -> Vec<String> {
             1 => "One effect was found and put into the model.".into(),
             n => format!("{n} effects were found and put into the model."),
         });
-        for (effect, _) in input.ladder.added() {
-            let explanation = about(effect).map_or("", |about| about.explanation);
-            sentences.push(format!("{}: {explanation}", effect_name(effect)).trim_end_matches(": ").into());
-        }
+        sentences.extend(causes(&input.ladder));
         sentences.push(format!(
             "With {} the residual falls from {} to {} rms.",
             if added == 1 { "it" } else { "them" },
@@ -150,6 +148,9 @@ pub fn nothing_named<'d>(input: &Comparison, diagnosis: &'d Diagnosis) -> &'d st
         Verdict::Undecided => &diagnosis.why,
         Verdict::NotJudged if is_failed(input) => "No effect was judged, because the diagnosis failed.",
         Verdict::NotJudged => "No effect was judged, because the runs are not plausible or not whole.",
+        Verdict::NoiseFloor if input.ladder.added().next().is_some() => {
+            "Nothing further is missing that these data can show: what was found is in the model."
+        }
         _ => "No effect explains the residual significantly better than noise does.",
     }
 }

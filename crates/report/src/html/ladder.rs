@@ -1,7 +1,8 @@
 //! The ladder: how the error fell with every effect that was added, and what each did to the location errors.
 
 use super::trial::{clearly, moved_table};
-use crate::markup::table;
+use crate::added::{by_whom, causes};
+use crate::markup::{element, table};
 use crate::number::{MISSING, um, um_or_dash};
 use crate::svg::{Bar, bars};
 use crate::words::{bars_legend, most_moved, moved_words, units_of};
@@ -41,10 +42,13 @@ pub fn section(ladder: &Ladder) -> String {
         "held-out before",
         "held-out after",
         "repeatability",
+        "added by",
         "date",
         "run",
     ];
-    let mut body = chart + &table("Error after each added effect, rms", &head, &[1, 2, 3, 4, 5], &rows);
+    let what: String = causes(ladder).iter().map(|text| element("p", text)).collect();
+    let mut body =
+        what + &chart + &table("Error after each added effect, rms", &head, &[1, 2, 3, 4, 5], &rows);
     for (effect, row) in ladder.added() {
         let moved = clearly(&row.moved);
         if !moved.is_empty() {
@@ -55,7 +59,7 @@ pub fn section(ladder: &Ladder) -> String {
 }
 
 fn row((effect, row): (&str, &LadderRow)) -> Vec<String> {
-    let or_dash = |text: &str| if text.is_empty() { MISSING.into() } else { text.to_string() };
+    let [by, when] = by_whom(row);
     vec![
         effect.into(),
         um(row.error_before_um),
@@ -63,7 +67,8 @@ fn row((effect, row): (&str, &LadderRow)) -> Vec<String> {
         um_or_dash(row.holdout_before_um),
         um_or_dash(row.holdout_after_um),
         um_or_dash(row.noise_um),
-        or_dash(&row.date),
-        or_dash(&row.run),
+        by,
+        when,
+        if row.run.is_empty() { MISSING.into() } else { row.run.clone() },
     ]
 }

@@ -1,6 +1,7 @@
 //! The ladder as bars of characters: error of the fit, held-out error and repeatability of every rung.
 
 use super::table::{columns, longest_bar, moved_table};
+use crate::added::by_whom;
 use crate::number::um_or_dash;
 use crate::words::{most_moved, moved_words, units_of};
 use std::iter::once;
@@ -35,6 +36,9 @@ pub fn ladder_text(ladder: &Ladder, noise_um: Option<f64>) -> String {
         ref units => format!(" o error on {} left out of the fit,", units.join(" or ")),
     };
     out += &format!("Bars: # error of the fit,{held_out} | repeatability; µm rms.\n");
+    for (effect, row) in ladder.added().filter(|(_, row)| row.by.is_some()) {
+        out += &format!("{effect}: added by {}.\n", by_whom(row).join(", "));
+    }
     for (effect, row) in ladder.added() {
         let moved: Vec<_> = row.moved.iter().filter(|m| m.in_u() > 2.0).cloned().collect();
         if !moved.is_empty() {

@@ -2,10 +2,10 @@
 
 use crate::pages::{check_page, fitted, model};
 use quick_xml::events::Event;
-use trunnion_report::{DccError, Issuer, Language, dcc_xml, report_html, report_text};
+use trunnion_report::{DccError, Issuer, Language, compare_html, dcc_xml, report_html, report_text};
 use trunnion_results::{
     Candidate, Comparison, Conformity, Decision, Diagnosis, Doubt, DoubtReason, ExcludedPoints, Identity,
-    Judged, Ladder, LeftOutEffect, Report, RunIdentity, TemperatureRange, Verdict,
+    Judged, Ladder, LeftOutEffect, Parameter, Report, RunIdentity, TemperatureRange, Verdict,
 };
 
 pub fn report() -> Report {
@@ -138,6 +138,45 @@ fn no_label_of_a_report_stays_english() {
     }
     let german = report_html(&report(), Language::German);
     assert!(german.contains("nicht bestanden") && german.contains("<html lang=\"de\">"), "the verdict too");
+}
+
+/// After its adding a run is clear: what was found in it is still the answer.
+#[test]
+fn what_was_added_is_said_with_its_cause_its_size_and_who_added_it() {
+    let mut report = report();
+    let size = Parameter {
+        effect: "backlash:B".into(),
+        name: "windup".into(),
+        value: Some(10.93),
+        u: Some(0.31),
+        unit: "urad".into(),
+        observable: true,
+        ..Parameter::default()
+    };
+    report.comparison.identification.parameters.push(size);
+    let first_page = |language| {
+        let page = report_html(&report, language);
+        let end = page.find("<section class=\"page\">").unwrap();
+        page[..end].to_owned()
+    };
+    let english = first_page(Language::English);
+    for said in [
+        "On passes left out of the fit the error falls from 2.40 µm to 1.20 µm. Its size: windup = 10.93 µrad, u = 0.31 µrad.</li>",
+        "<p>Likely cause: ",
+        "<th scope=\"col\">added by</th>",
+        "<td>Ada</td><td>2026-03-01</td>",
+    ] {
+        assert!(english.contains(said), "{said}: {english}");
+    }
+    let german = first_page(Language::German);
+    for said in
+        ["(Durchgänge) fällt der Fehler von 2.40 µm auf 1.20 µm. Seine Größe: windup", "hinzugefügt von"]
+    {
+        assert!(german.contains(said), "{said}: {german}");
+    }
+    let story = trunnion_report::story(&report.comparison);
+    assert!(story.sure.iter().any(|said| said.contains("Its size: windup")), "{:?}", story.sure);
+    assert!(!compare_html(&report.comparison, "").contains("No effect explains the residual"));
 }
 
 #[test]

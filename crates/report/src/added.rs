@@ -1,0 +1,56 @@
+//! What was added to the model, said as long as it is in it: how far the error fell, how large it is, its likely cause, who added it.
+
+use crate::number::{MISSING, value_and_u};
+use trunnion_results::sentences::{about, effect_name, goes};
+use trunnion_results::{Comparison, Identification, Ladder, LadderRow, LeftOut, Parameter};
+
+/// Values closer to zero than so many standard uncertainties are no size, as of what moved in the ladder.
+const CLEAR: f64 = 2.0;
+
+/// How sure each effect is that was added: what it predicts that it has not seen, and its size in this fit.
+pub(crate) fn sure(input: &Comparison) -> Vec<String> {
+    let said = |(effect, row): (&str, &LadderRow)| {
+        let sentences: Vec<String> =
+            [held_out(row), size(&input.identification, effect)].into_iter().flatten().collect();
+        (!sentences.is_empty()).then(|| format!("{}: {}", effect_name(effect), sentences.join(" ")))
+    };
+    input.ladder.added().filter_map(said).collect()
+}
+
+/// What each effect is that was added, and its likely cause.
+pub(crate) fn causes(ladder: &Ladder) -> Vec<String> {
+    let said = |(effect, _): (&str, &LadderRow)| match about(effect) {
+        Some(about) => {
+            vec![
+                format!("{}: {}", effect_name(effect), about.explanation),
+                format!("Likely cause: {}", about.cause),
+            ]
+        }
+        // An expression says itself what it is.
+        None => vec![effect_name(effect)],
+    };
+    ladder.added().flat_map(said).collect()
+}
+
+/// Who added it, and when; a dash where nobody gave a name.
+pub(crate) fn by_whom(row: &LadderRow) -> [String; 2] {
+    let or_dash = |text: &str| if text.is_empty() { MISSING.into() } else { text.to_string() };
+    [or_dash(row.by.as_deref().unwrap_or_default()), or_dash(&row.date)]
+}
+
+fn held_out(row: &LadderRow) -> Option<String> {
+    let unit = LeftOut::named(row.holdout_unit.as_deref()?)?.plural();
+    let (before, after) = row.holdout_before_um.zip(row.holdout_after_um)?;
+    Some(format!("On {unit} left out of the fit the error {}.", goes(before, after)))
+}
+
+fn size(fit: &Identification, effect: &str) -> Option<String> {
+    let is_clear = |p: &&Parameter| p.value.zip(p.u).is_some_and(|(value, u)| value.abs() > CLEAR * u);
+    let own = fit.parameters.iter().filter(|p| p.effect == effect && p.observable).filter(is_clear);
+    let said = own.map(|p| {
+        let (value, u) = value_and_u(p.value, p.u, &p.unit);
+        format!("{} = {value}, u = {u}", p.name)
+    });
+    let said = said.collect::<Vec<_>>().join("; ");
+    (!said.is_empty()).then(|| format!("Its size: {said}."))
+}
