@@ -6,7 +6,7 @@ use trunnion_results::sentences::{at_tool_um, error_in_words, not_plausible, set
 use trunnion_results::{Cell, Column, Findings, FoundValue, Table, ValueKind};
 
 /// Heads of the table of values.
-pub const VALUE_HEADS: [&str; 4] = ["value", "", "u", "remark"];
+pub const VALUE_HEADS: [&str; 4] = ["quantity", "value", "u", "remark"];
 
 /// Name, value, standard uncertainty, remark.
 pub fn value_row(found: &FoundValue) -> Vec<String> {

@@ -11,6 +11,8 @@ use table::entries;
 
 /// What a text holds in place of what it says about one machine.
 const HOLE: &str = "{}";
+/// What a screen reader says of an element.
+const LABEL: &str = " aria-label=\"";
 /// Before these stands a number, in which no name or clause is.
 const SIZES: [&str; 2] = [" µm", " mm"];
 
@@ -202,7 +204,7 @@ fn held<'t>(parts: &[&str], rest: &'t str, lists: bool) -> Option<Vec<&'t str>> 
         .find_map(|(hole, rest)| Some([vec![hole], held(others, rest, lists)?].concat()))
 }
 
-/// Well-formed markup with its texts in another language; tags and attributes stay as they are.
+/// Well-formed markup with its texts, and what is read out in their place, in another language; tags and other attributes stay as they are.
 pub(crate) fn translated(markup: &str, language: Language) -> String {
     if language == Language::English {
         return markup.into();
@@ -215,9 +217,17 @@ pub(crate) fn translated(markup: &str, language: Language) -> String {
             Some(said) => out += &text.replacen(text.trim(), &escape(&said), 1),
             None => out += text,
         }
-        out += tag;
+        out += &labelled(tag, language).unwrap_or_else(|| tag.into());
     }
     out
+}
+
+/// A tag with its label in another language; `None` where it has none, or the table has no entry.
+fn labelled(tag: &str, language: Language) -> Option<String> {
+    let (before, label) = tag.split_once(LABEL)?;
+    let (label, after) = label.split_once('"')?;
+    let said = escape(&language.say(&unescaped(label))?);
+    Some(format!("{before}{LABEL}{said}\"{after}"))
 }
 
 /// Undoes [`escape`].

@@ -39,8 +39,15 @@ pub fn table(caption: &str, head: &[&str], numeric: &[usize], rows: &[Vec<String
             format!("<tr>{}</tr>\n", cells.collect::<String>())
         })
         .collect();
-    format!(
-        "<div class=\"scroll\"><table><caption>{}</caption><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table></div>\n",
+    let table = format!(
+        "<table><caption>{}</caption><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>",
         escape(caption)
-    )
+    );
+    scrolling(caption, &table) + "\n"
+}
+
+/// Markup that scrolls sideways on a narrow screen, also by keyboard: what takes the focus has a name.
+pub fn scrolling(name: &str, markup: &str) -> String {
+    let name = escape(name);
+    format!("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{name}\">{markup}</div>")
 }

@@ -1,6 +1,6 @@
 //! Pass or fail on the first page.
 
-use crate::markup::{element, escape};
+use crate::markup::{element, escape, scrolling};
 use crate::number::{trimmed, um, value_and_u};
 use crate::words::effect_name;
 use trunnion_results::{Conformity, Decision, Judged, Report, Verdict};
@@ -18,12 +18,14 @@ pub fn section(report: &Report) -> String {
                 ("decision", ""),
             ];
             let head = head.map(|(name, class)| format!("<th scope=\"col\"{class}>{name}</th>")).concat();
+            let table = format!("<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>");
             format!(
                 "<p><span>Tolerance:</span> <b>{}</b> <span class=\"soft\">(<span>{}</span>)</span></p>\n\
-                 <div class=\"scroll\"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>\n\
+                 {}\n\
                  <p class=\"soft\">Decision rule: ISO 14253-1, guard band 1.65 u.</p>\n{}",
                 escape(&format!("{} µm", trimmed(conformity.tolerance_um, 3))),
                 escape(&conformity.tolerance_of),
+                scrolling("Tolerance", &table),
                 remarks(conformity).iter().map(|remark| element("p", remark) + "\n").collect::<String>(),
             )
         }

@@ -97,6 +97,7 @@ pub fn check_page(page: &str) {
         assert!(!page.contains(outside), "the page asks for something outside: {outside}");
     }
     assert!(!page.contains("low <b>") && !page.contains("NaN"), "names are escaped, holes are no numbers");
+    assert!(!page.contains("></th>"), "a screen reader has nothing to say of a column");
 }
 
 #[test]

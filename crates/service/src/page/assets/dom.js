@@ -90,14 +90,7 @@ export function fold(title, make, open = false) {
 // Markup of the report: made by the program, its texts are escaped there; scripts in it would not run.
 export function markup(html) {
   const parsed = new DOMParser().parseFromString(html, "text/html");
-  const part = el("div", {}, ...parsed.body.childNodes);
-  // Tables that scroll sideways are reached by keyboard.
-  part.querySelectorAll(".scroll").forEach((scroll) => {
-    scroll.tabIndex = 0;
-    scroll.setAttribute("role", "region");
-    scroll.setAttribute("aria-label", scroll.querySelector("caption")?.textContent || "Table");
-  });
-  return part;
+  return el("div", {}, ...parsed.body.childNodes);
 }
 
 export function notice(text, bad = false) {
