@@ -9,6 +9,7 @@ mod calls_table;
 mod mtconnect;
 mod opcua;
 mod page;
+mod plots;
 mod runs_of_a_service;
 #[allow(dead_code, reason = "the tests of this crate use a part")]
 #[path = "../../../../tests/src/section.rs"]
