@@ -19,6 +19,8 @@ def at_the_machine(browser, folder):
         tab.until("document.querySelectorAll('[role=meter]').length === 3 && !document.body.innerText.includes('Absent')")
         tab.until("document.getElementById('next-step').innerText.startsWith('Next: the sign test')")
         check("the set-up says what comes next", True, tab.text("#next-step"))
+        places = tab.text(".places").split()
+        check("where the axes are is said where jogs are asked for", [axis for axis in "XYZBC" if axis in places] == list("XYZBC"), places)
         tab.picture("set-up-1280")
         tab.guide("set-up")
         tab.page.get_by_role("button", name="Begin the sign test").click()

@@ -1,4 +1,4 @@
-// What is read at this moment: a probe in its range, a device with its remedy.
+// What is read at this moment: a probe in its range, an axis, a device with its remedy.
 
 import { decimal, el } from "./dom.js";
 
@@ -18,6 +18,13 @@ function gauge(name, value, [from, to]) {
   mark.style.left = `${100 * Math.max(0, Math.min(1, (value - from) / (to - from)))}%`;
   return el("div", { class: "gauge", role: "meter", "aria-label": `${name} in its range`, "aria-valuemin": from, "aria-valuemax": to, "aria-valuenow": value.toFixed(4) },
     el("span", { class: "zone" }), mark);
+}
+
+// Where the axes are, as the controller reports it.
+export function axisPlaces(live) {
+  const place = ({ name, value, unit }) => el("span", {}, el("b", {}, name), ` ${decimal(value, 3)}${unit === "deg" ? "°" : ` ${unit}`}`);
+  const axes = live?.axes ?? [];
+  return axes.length ? axes.map(place) : ["The controller reports no position yet."];
 }
 
 // What of the service itself is not as it should be, and its disk.

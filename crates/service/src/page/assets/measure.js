@@ -1,8 +1,8 @@
 // What is measured now: probes in their range, devices with their remedy, the poses of the cycle filling a map.
 
 import * as calls from "./calls.js";
-import { decimal, el, notice } from "./dom.js";
-import { deviceRows, probeBar, serviceRows } from "./live.js";
+import { el, notice } from "./dom.js";
+import { axisPlaces, deviceRows, probeBar, serviceRows } from "./live.js";
 import { poseMap } from "./pose-map.js";
 
 let parts = null;
@@ -188,7 +188,5 @@ function showProbes(live) {
   } else {
     parts.probes.replaceChildren(...probes.map(probeBar));
   }
-  const axes = live?.axes ?? [];
-  const place = ({ name, value, unit }) => el("span", {}, el("b", {}, name), ` ${decimal(value, 3)}${unit === "deg" ? "°" : ` ${unit}`}`);
-  parts.axes.replaceChildren(...(axes.length ? axes.map(place) : ["The controller reports no position yet."]));
+  parts.axes.replaceChildren(...axisPlaces(live));
 }

@@ -2,7 +2,7 @@
 
 import * as calls from "./calls.js";
 import { decimal, el, notice } from "./dom.js";
-import { deviceRows, probeBar } from "./live.js";
+import { axisPlaces, deviceRows, probeBar } from "./live.js";
 
 let parts = null;
 
@@ -31,6 +31,8 @@ export async function make(page) {
     lines,
     byHand,
     next: el("p", { class: "todo", role: "status", id: "next-step" }),
+    // Steps of the nest and jogs of the sign test are made by these.
+    axes: el("p", { class: "places" }),
     finish,
     write,
     devices: step("1. Devices", "Every device is connected and sends."),
@@ -42,7 +44,7 @@ export async function make(page) {
     measure: el("p", {}, el("a", { class: "button", href: "#measure" }, "5. Choose the cycle and measure")),
   };
   changed(page, "all");
-  return [el("h1", {}, "Set up"), parts.next, el("ol", { class: "guide" }, [parts.devices, parts.nest, parts.sign, parts.zero].map(({ card }) => card)), parts.measure];
+  return [el("h1", {}, "Set up"), parts.next, el("h2", {}, "Axes"), parts.axes, el("ol", { class: "guide" }, [parts.devices, parts.nest, parts.sign, parts.zero].map(({ card }) => card)), parts.measure];
 }
 
 function button(text, call, kind = "") {
@@ -66,6 +68,7 @@ export function changed(page, topic) {
   const devices = Object.values(status?.devices ?? {});
   const connected = devices.length > 0 && devices.every(({ state }) => state === "Streaming");
   show(parts.devices, connected, connected ? "done" : "not yet", el("ul", { class: "steps" }, deviceRows(live, status)));
+  parts.axes.replaceChildren(...axisPlaces(live));
   parts.stop.nest.hidden = setUp?.step !== "nest";
   parts.stop.sign.hidden = setUp?.step !== "sign-test";
   showNest(setUp);
