@@ -110,23 +110,25 @@ fn a_run_that_went_through_a_table_is_judged_by_its_commanded_positions() {
     let setup = written(dir.path(), "setup.toml", setup);
     let cycle = shipped_cycle("r-test-sweep-c");
     let again = |id: &str, amplitude: &str| {
+        let dir = tempfile::tempdir().expect("a folder");
         let table = [("MACHINE", "table-bc"), ("BALL", "150.0, 0.0, 60.0"), ("SHAPE", "sign = 1")];
         let replace = [&table[..], &[("ID", id), ("AMPLITUDE", amplitude)]].concat();
         let run = simulate(dir.path(), cycle.to_str().expect("a path"), &replace);
         let points =
             written(dir.path(), "points.csv", &trunnion(&["export", "csv", run.to_str().expect("a path")]));
-        let imported = dir.path().join(format!("imported-{amplitude}.mcap")).display().to_string();
+        let imported = dir.path().join("imported.mcap").display().to_string();
         trunnion(&["import", &points, "--setup", &setup, "--kind", "on-the-fly", "-o", &imported]);
-        imported
+        (dir, imported)
     };
-    let exact = again("backlash:C", "0.00005");
+    let (_exact, exact) = again("backlash:C", "0.00005");
     let found = json(&["attribute", &exact, "--json"]);
     assert_eq!(found["values"][0]["value"], 0.0, "{found}");
     assert!(found["notes"][0].as_str().expect("a note").contains("the same positions twice"), "{found}");
     let error = refused(&["attribute", &exact, "--smooth"]);
     assert!(error.contains("not separated") && error.contains("x_actual_mm"), "{error}");
 
-    let late = json(&["attribute", &again("servo-lag:X", "0.0005"), "--json"]);
+    let (_late, late) = again("servo-lag:X", "0.0005");
+    let late = json(&["attribute", &late, "--json"]);
     let peaks = peaks(&late);
     assert!(peaks.len() == 1 && peaks[0].0 == "X" && (peaks[0].1 / 78.54 - 1.0).abs() < 0.01, "{peaks:?}");
 }

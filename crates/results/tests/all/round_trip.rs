@@ -95,7 +95,7 @@ fn findings_plan_preview_ladder_and_volume_return() {
     let machine = shipped::machine(&cycle.machine).unwrap();
     returns(&Preview::from(&next_cycle::preview(&machine, &cycle, &next_cycle::Options::default()).unwrap()));
     let fitted = trunnion_engine::identify(&experiment, &model, &fit::Options::default()).unwrap();
-    let volume = methods::Volume::parse("", 3, &experiment.scene).unwrap();
+    let volume = methods::Volume::of_rotary_axes(3, &experiment.scene).unwrap();
     let map =
         methods::VolumetricMap::new(&experiment, &model, &fitted, volume, methods::Datum::BestFit).unwrap();
     let axes = experiment.machine().joints();
