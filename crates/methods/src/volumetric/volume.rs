@@ -1,6 +1,5 @@
 //! A volume of axis positions and its grid.
 
-use trunnion_core::number::trimmed;
 use trunnion_core::{AxisValues, Joint, convert};
 use trunnion_effects::Scene;
 use trunnion_machine::Machine;
@@ -179,10 +178,10 @@ fn read(part: &str, machine: &Machine) -> Result<(Joint, (f64, f64)), VolumeErro
 }
 
 fn spelt(letter: Joint, (low, high): (f64, f64)) -> String {
-    let written = |x: f64| trimmed(x, 3);
+    let round = |x: f64| (x * 1e3).round() / 1e3 + 0.0;
     let (unit, low, high) = match letter.is_rotary() {
-        true => ("°", written(convert::deg_from_rad(low)), written(convert::deg_from_rad(high))),
-        false => (" mm", written(low), written(high)),
+        true => ("°", round(convert::deg_from_rad(low)), round(convert::deg_from_rad(high))),
+        false => (" mm", round(low), round(high)),
     };
     if low == high { format!("{letter} {low}{unit}") } else { format!("{letter} {low}..{high}{unit}") }
 }
