@@ -97,7 +97,7 @@ def fleet(folder, machines=10_000, months=12):
     base = "location-errors ball-setting"
     runs = polars.DataFrame({"machine": "m", "serial": serials, "run": began, "began": began,
                              "effects": numpy.where(added, base + " gravity-sag:B", base),
-                             "missing_effects": numpy.where(found, "gravity-sag:B", None)})
+                             "missing_effects": numpy.where(found, "gravity-sag:B", None).tolist()})
     runs.write_parquet(folder / "runs.parquet")
     parts = []
     for name, unit in [("EA0C", "urad"), ("EB0C", "urad"), ("EX0C", "um"), ("EY0C", "um"), ("EA0B", "urad"), ("EC0B", "urad"), ("EX0B", "um"), ("EZ0B", "um")]:
