@@ -174,10 +174,16 @@ fn averaged(
         let position = &point.state.position;
         let Some((i, j)) = tilts.at(position[tilting]).zip(turns.at(position[turning])) else { continue };
         let Some(s) = nests.iter().position(|(known, _)| known == name) else { continue };
-        let machine_from_table = machine.machine_from_table(position, &JointErrors::default());
-        let table_from_machine = machine_from_table.rotation.inverse();
+        let table_from_machine =
+            machine.machine_from_table(position, &JointErrors::default()).rotation.inverse();
         let reading = table_from_machine * tool_against_table_mm(machine, setup, point);
-        let Some(frames) = machine.joint_frame(tilting, position).zip(machine.joint_frame(turning, position))
+        // What an error does there is that of the grid: where every cell of a tilt stands a little elsewhere, what no reading sees
+        // (the zero pose along and about the turning axis) would pass for seen, with millimetres of u.
+        let mut nominal = position.clone();
+        nominal[tilting] = tilts.angles_rad[i];
+        nominal[turning] = turns.angles_rad[j];
+        let machine_from_table = machine.machine_from_table(&nominal, &JointErrors::default());
+        let Some(frames) = machine.joint_frame(tilting, &nominal).zip(machine.joint_frame(turning, &nominal))
         else {
             continue;
         };
