@@ -359,5 +359,6 @@ fn rounded(number: f64) -> f64 {
     format!("{number:.8e}").parse().unwrap_or(number)
 }
 
+mod on_machine;
 #[cfg(test)]
 mod tests;

@@ -28,7 +28,14 @@ impl Experiment {
     /// A model that does not suit machine or runs, or a fit that does not converge.
     pub fn fit(&self, model: &Model) -> Result<Fit, Error> {
         let fitted = Problem::known(self.points(), model.entries(), self);
-        let fitted = fitted.map_err(|error| self.with_doubt(error))?.into_fit();
+        let fitted = match fitted {
+            Ok(fitted) => fitted.into_fit(),
+            Err(error @ IdentifyError::UnknownEffect(_)) => {
+                model.suits(self.machine())?;
+                return Err(error.into());
+            }
+            Err(error) => return Err(self.with_doubt(error)),
+        };
         Ok(Fit::of(self, model.clone(), fitted))
     }
 
@@ -49,7 +56,11 @@ impl Experiment {
     /// # Errors
     /// As [`Experiment::fit`].
     pub fn fit_within_reach(&self, model: &Model) -> Result<Fit, Error> {
-        self.fit(&self.within_reach(model).into())
+        let fitted = self.fit(&self.within_reach(model).into());
+        fitted.or_else(|error| {
+            model.suits(self.machine())?;
+            Err(error)
+        })
     }
 
     /// The effects of the model that these runs can show, and those that every model has.

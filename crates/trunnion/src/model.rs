@@ -6,16 +6,19 @@ use std::path::Path;
 use trunnion_cycles::Run;
 use trunnion_effects as effects;
 use trunnion_effects::{LadderRow, ModelEffect, Removal};
+use trunnion_machine::Machine;
 use trunnion_results as results;
 
-/// Name of a model in problems of its edited text, which is read again so that the model always is what its file will hold.
-pub(crate) const EDITED: &str = "model";
+/// Name in problems of a model that is no file, or no more.
+const EDITED: &str = "model";
 
 /// The effects that explain a machine, in the order they were added (`trunnion-model/1`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     entries: effects::Model,
     text: String,
+    /// Its name in problems; [`EDITED`] where its entries are not those of the file.
+    pub(crate) file: String,
 }
 
 impl Model {
@@ -46,7 +49,7 @@ impl Model {
     /// # Errors
     /// Every problem of the text.
     pub fn parse(file: &str, text: String) -> Result<Self, Error> {
-        Ok(Self { entries: effects::Model::parse(file, &text)?, text })
+        Ok(Self { entries: effects::Model::parse(file, &text)?, text, file: file.into() })
     }
 
     /// Writes the model file whole or not at all; comments of the file it was read from stay.
@@ -90,6 +93,14 @@ impl Model {
         (machines[0] != machines[1]).then(|| results::Doubt::other_machine(machines))
     }
 
+    /// Refuses entries of a file that the machine cannot have, each with its line.
+    pub(crate) fn suits(&self, machine: &Machine) -> Result<(), Error> {
+        match self.file == EDITED {
+            true => Ok(()),
+            false => Ok(effects::Model::check(&self.file, &self.text, machine)?),
+        }
+    }
+
     /// Refuses runs of a machine that is not that of the file.
     pub(crate) fn is_of(&self, runs: &[Run]) -> Result<(), Error> {
         match runs.iter().find(|run| run.machine.name != self.machine()) {
@@ -111,7 +122,7 @@ impl Model {
 
     /// With another ladder row of the entry `id`.
     pub(crate) fn with_ladder_row(&self, id: &str, row: &LadderRow) -> Result<Self, Error> {
-        Self::parse(EDITED, effects::Model::with_ladder_row(&self.text, id, row)?)
+        Self::parse(&self.file, effects::Model::with_ladder_row(&self.text, id, row)?)
     }
 
     /// Without these entries, and with who took them out and when.
@@ -124,6 +135,6 @@ impl Model {
 impl From<effects::Model> for Model {
     fn from(entries: effects::Model) -> Self {
         let text = entries.to_text();
-        Self { entries, text }
+        Self { entries, text, file: EDITED.into() }
     }
 }

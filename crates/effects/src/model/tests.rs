@@ -141,3 +141,20 @@ fn a_model_file_without_location_errors_is_refused_with_what_to_write() {
     let alone = Model::parse("m.toml", &format!("{text}[[effect]]\nid = \"location-errors\"\n"));
     assert!(alone.is_ok(), "expressions may take the place of a ball's setting");
 }
+
+#[test]
+fn what_a_machine_cannot_have_is_named_with_its_line() {
+    let machine = trunnion_machine::shipped::machine("table-bc").unwrap();
+    let text = "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"location-errors\"\n\
+                [[effect]]\nid = \"backlash:Q\"\n\
+                [[effect]]\nid = \"formula:f\"\nsite = \"axis:B\"\ncomponent = \"dz\"\nexpression = \"k*sin(2*B\"\n\
+                [[effect]]\nid = \"formula:g\"\nsite = \"axis:Q\"\ncomponent = \"dz\"\nexpression = \"k*B\"\n";
+    assert!(Model::parse("m.toml", text).is_ok(), "what the file says by itself is in order");
+    let problems = Model::check("m.toml", text, &machine).unwrap_err();
+    let lines: Vec<_> = problems.0.iter().map(|p| p.line).collect();
+    assert_eq!(lines, [6, 11, 14], "{problems}");
+    let said = problems.to_string();
+    for part in ["\"backlash:Q\" is no effect of machine table-bc", "backlash:C", "column 10", "axis:Q"] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+}
