@@ -118,8 +118,22 @@ pub struct WatchedPoint {
     pub u: f64,
     /// Mean of the runs before, and the limits they set; null before the third run.
     pub limits: Option<[f64; 3]>,
+    /// How many runs set these limits.
+    #[serde(default)]
+    pub set_by: usize,
     /// True when it lies outside.
     pub alarm: bool,
+}
+
+impl WatchedPoint {
+    /// Limits that fewer runs set are more than twice as far apart as those of many: t(p; ν) > 2 t(p; ∞) for ν ≤ 6 at p = 1/3650, ten
+    /// watched values (`trunnion_methods::control_chart`).
+    pub const FEW_RUNS: usize = 8;
+
+    /// True where its limits let large changes pass, because few runs set them.
+    pub fn has_wide_limits(&self) -> bool {
+        self.limits.is_some() && self.set_by < Self::FEW_RUNS
+    }
 }
 
 /// What changed between two runs.

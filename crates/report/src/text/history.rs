@@ -42,12 +42,17 @@ fn alarm_line(history: &MachineHistory) -> String {
     let Some(last) = history.runs.iter().rev().find(|run| run.rms_um.is_some()) else {
         return "No run of this machine can be compared".into();
     };
-    let has_limits =
-        history.watched.iter().any(|one| one.points.last().is_some_and(|point| point.limits.is_some()));
-    match last.alarms.as_slice() {
-        [] if has_limits => format!("{}: every value is within its control limits", last.run),
-        [] => format!("{}: there are no control limits yet, they need two runs before", last.run),
-        alarms => {
+    let newest = || history.watched.iter().filter_map(|one| one.points.last());
+    let has_limits = newest().any(|point| point.limits.is_some());
+    let set_by = newest().filter(|point| point.has_wide_limits()).map(|point| point.set_by).min();
+    match (last.alarms.as_slice(), set_by) {
+        ([], Some(few)) => format!(
+            "{}: every value is within its control limits, which are wide yet: {few} runs set them",
+            last.run
+        ),
+        ([], None) if has_limits => format!("{}: every value is within its control limits", last.run),
+        ([], None) => format!("{}: there are no control limits yet, they need two runs before", last.run),
+        (alarms, _) => {
             let title = |name: &String| {
                 history.watched.iter().find(|one| one.name == *name).map_or(name.clone(), Watched::title)
             };
@@ -109,10 +114,11 @@ fn values(history: &MachineHistory) -> String {
         let (value, u) = value_and_u(Some(point.value), Some(point.u), &one.unit);
         let unit = unit_on_screen(&one.unit);
         let limits = point.limits.map_or(MISSING.into(), |[_, lower, upper]| interval([lower, upper], &unit));
+        let set_by = point.limits.map_or(MISSING.into(), |_| format!("{} runs", point.set_by));
         let alarm = if point.alarm { "outside" } else { "" };
-        Some(vec![one.name.clone(), value, u, limits, alarm.to_string()])
+        Some(vec![one.name.clone(), value, u, limits, set_by, alarm.to_string()])
     };
-    let mut rows = vec![["value", "", "u", "limits", ""].map(String::from).to_vec()];
+    let mut rows = vec![["value", "", "u", "limits", "set by", ""].map(String::from).to_vec()];
     rows.extend(history.watched.iter().filter_map(row));
     if rows.len() == 1 { String::new() } else { columns(&rows, &[1, 2]) }
 }
@@ -120,7 +126,7 @@ fn values(history: &MachineHistory) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trunnion_results::DayForecast;
+    use trunnion_results::{DayForecast, WatchedPoint};
 
     #[test]
     fn the_values_of_the_next_day_are_printed_and_the_residual_has_no_symbol() {
@@ -158,5 +164,34 @@ mod tests {
         assert!(text.starts_with("friday: outside its control limits: residual, rms\n"), "{text}");
         let row = text.lines().find(|line| line.contains("EA0B")).unwrap_or_default();
         assert_eq!(row.split_whitespace().collect::<Vec<_>>(), ["EA0B", "25.04", "µrad", "0.62", "µrad"]);
+    }
+
+    #[test]
+    fn limits_that_few_runs_set_are_no_all_clear() {
+        let said = |set_by| {
+            let point = WatchedPoint {
+                value: 0.3,
+                limits: Some([0.3, 0.0, 12465.0]),
+                set_by,
+                ..WatchedPoint::default()
+            };
+            let name = Watched::RESIDUAL.to_string();
+            let residual = Watched { name, unit: "um".into(), points: vec![point], ..Watched::default() };
+            let run = HistoryRun { run: "friday".into(), rms_um: Some(0.3), ..HistoryRun::default() };
+            history_text(&MachineHistory {
+                runs: vec![run],
+                watched: vec![residual],
+                ..MachineHistory::default()
+            })
+        };
+        let few = said(2);
+        assert!(
+            few.starts_with(
+                "friday: every value is within its control limits, which are wide yet: 2 runs set them\n"
+            ),
+            "{few}"
+        );
+        assert!(few.contains("12465 µm  2 runs"), "{few}");
+        assert!(said(20).starts_with("friday: every value is within its control limits\n"));
     }
 }

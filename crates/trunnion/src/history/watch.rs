@@ -78,13 +78,14 @@ fn one(runs: &mut [HistoryRun], begins: &[usize], count: usize, key: &Key, name:
         }
         let Some((value, u)) = key.value(run) else { continue };
         let limits = baseline.limits(u, count);
+        let set_by = baseline.count();
         let alarm = limits.is_some_and(|limits| limits.alarm(value));
         match alarm {
             true => run.alarms.push(name.clone()),
             false => baseline.take(value, u),
         }
         let limits = limits.map(ends);
-        points.push(WatchedPoint { run: index, value, u, limits, alarm });
+        points.push(WatchedPoint { run: index, value, u, limits, set_by, alarm });
     }
     Watched { name, effect, words, unit, points }
 }
