@@ -173,12 +173,14 @@ fn a_pdf_that_ends_early_is_refused_and_names_the_disk() {
 }
 
 #[test]
-fn a_certificate_needs_a_day_and_a_run_that_was_judged() {
+fn a_certificate_needs_a_country_and_a_day() {
     let folder = tempfile::tempdir().unwrap();
     let run = import("points-nothing-hidden", folder.path());
     let file = |name: &str| folder.path().join(name).display().to_string();
     let dcc = file("dcc.xml");
     let (done, _, error) = output(&["report", &run, "--dcc", &dcc]);
+    assert!(!done && error.contains("--country"), "{error}");
+    let (done, _, error) = output(&["report", &run, "--dcc", &dcc, "--country", "JP"]);
     assert!(!done && error.contains("--measured"), "{error}");
     let (done, _, error) = output(&["report", &run, "--dcc", &dcc, "--measured", "2026-02-30"]);
     assert!(!done && error.contains("allowed: a day"), "{error}");

@@ -62,10 +62,10 @@ struct IssuerArgs {
     /// Whose machine it is
     #[arg(long, value_name = "NAME", requires = "dcc")]
     customer: Option<String>,
-    /// Country, two letters of ISO 3166-1
+    /// Country of the laboratory, two letters of ISO 3166-1; a certificate needs it
     #[arg(long, value_name = "CODE", requires = "dcc", value_parser = country)]
     country: Option<String>,
-    /// Day of the measurement, for recordings that have none
+    /// Day of the measurement; a certificate needs it where a recording has none
     #[arg(long, value_name = "YYYY-MM-DD", requires = "dcc", value_parser = day)]
     measured: Option<String>,
 }

@@ -3,16 +3,11 @@
 use super::issuer::{DccError, Issuer};
 use super::xml::{holding, plain, stated, text};
 use crate::filed::conformity::places;
-use trunnion_results::sentences::ALL_CLEAR;
+use trunnion_results::sentences::{ALL_CLEAR, doubts, inadequate};
 use trunnion_results::{Conformity, Decision, Report, Verdict};
 
-/// Stands for a country that is not known [ISO 3166-1].
-const NO_COUNTRY: &str = "ZZ";
-/// Digits of a digest in the name of a certificate.
-const SHORT_DIGEST: usize = 16;
-
-pub fn data(report: &Report, issuer: &Issuer) -> Result<String, DccError> {
-    let country = issuer.country.as_deref().unwrap_or(NO_COUNTRY);
+pub fn data(report: &Report, issuer: &Issuer, name: &str) -> Result<String, DccError> {
+    let country = issuer.country.as_deref().ok_or(DccError::NoCountry)?;
     let place = holding("dcc:location", &plain("dcc:countryCode", country));
     let contact = |tag: &str, name: Option<&str>| holding(tag, &(text("dcc:name", &stated(name)) + &place));
     let operator = stated(report.identity.operator.as_deref());
@@ -20,7 +15,7 @@ pub fn data(report: &Report, issuer: &Issuer) -> Result<String, DccError> {
         + &plain("dcc:role", "operator")
         + &plain("dcc:mainSigner", "true");
     let body = holding("dcc:dccSoftware", &software(report))
-        + &core(report, issuer, country)?
+        + &core(report, issuer, country, name)?
         + &items(report)
         + &holding("dcc:calibrationLaboratory", &contact("dcc:contact", issuer.laboratory.as_deref()))
         + &holding("dcc:respPersons", &holding("dcc:respPerson", &person))
@@ -39,13 +34,12 @@ pub fn software(report: &Report) -> String {
     holding("dcc:software", &body)
 }
 
-fn core(report: &Report, issuer: &Issuer, country: &str) -> Result<String, DccError> {
+fn core(report: &Report, issuer: &Issuer, country: &str, name: &str) -> Result<String, DccError> {
     let runs = &report.identity.runs;
-    let mut days: Vec<&str> =
-        runs.iter().filter_map(|run| run.day.as_deref().or(issuer.measured.as_deref())).collect();
+    let days = runs.iter().map(|run| run.day.as_deref().or(issuer.measured.as_deref()));
+    let mut days: Vec<&str> = days.collect::<Option<_>>().ok_or(DccError::NoDay)?;
     days.sort_unstable();
     let (first, last) = days.first().zip(days.last()).ok_or(DccError::NoDay)?;
-    let digest: String = runs.iter().flat_map(|run| run.sha256.chars().take(SHORT_DIGEST)).collect();
     let identifications: String = runs
         .iter()
         .map(|run| identification("other", &run.sha256, &format!("SHA-256 of the recording {}", run.file)))
@@ -53,7 +47,7 @@ fn core(report: &Report, issuer: &Issuer, country: &str) -> Result<String, DccEr
     let body = plain("dcc:countryCodeISO3166_1", country)
         + &plain("dcc:usedLangCodeISO639_1", "en")
         + &plain("dcc:mandatoryLangCodeISO639_1", "en")
-        + &plain("dcc:uniqueIdentifier", &format!("trunnion-{}-{digest}", report.identity.written))
+        + &plain("dcc:uniqueIdentifier", name)
         + &holding("dcc:identifications", &identifications)
         + &plain("dcc:beginPerformanceDate", first)
         + &plain("dcc:endPerformanceDate", last)
@@ -75,16 +69,22 @@ fn items(report: &Report) -> String {
 }
 
 fn statements(report: &Report) -> String {
+    let fit = &report.comparison.identification;
     let verdict = report.comparison.diagnosis.as_ref().map_or(Verdict::NotJudged, |d| d.verdict);
     let complete = match verdict {
         Verdict::NoiseFloor => ALL_CLEAR,
+        Verdict::Undecided => {
+            "These data cannot say whether an effect is missing: the values are those of this model alone."
+        }
         _ => "The model is not complete: its values are those of this model alone.",
     };
-    let remarks = [
-        "This certificate was written by a program; nobody has accredited it.",
-        "The calibration of the probes is not part of the uncertainties unless it is recorded.",
-        complete,
+    let mut remarks = vec![
+        "This certificate was written by a program; nobody has accredited it.".to_owned(),
+        "The calibration of the probes is not part of the uncertainties unless it is recorded.".to_owned(),
+        complete.to_owned(),
     ];
+    remarks.extend(inadequate(fit));
+    remarks.extend(doubts(fit));
     let remarks: String =
         remarks.iter().map(|remark| holding("dcc:statement", &text("dcc:declaration", remark))).collect();
     let conformity = report.conformity.as_ref().map_or_else(String::new, conformity);

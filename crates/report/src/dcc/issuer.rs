@@ -16,9 +16,14 @@ pub struct Issuer {
 /// Why there is no certificate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DccError {
+    /// No country. The rules of the schema's publisher take none that ISO 3166-1 leaves to users, such as `ZZ`.
+    #[error(
+        "a certificate names the country of the laboratory; give --country, two capital letters such as DE"
+    )]
+    NoCountry,
     /// No day of measurement.
     #[error(
-        "the recording does not say when it was measured, and a certificate must; give --measured YYYY-MM-DD"
+        "a recording does not say when it was measured, and a certificate must; give --measured YYYY-MM-DD"
     )]
     NoDay,
     /// Nothing to certify.

@@ -5,12 +5,14 @@ use crate::markup::escape;
 use std::f64::consts::PI;
 
 /// Unit of files, its D-SI unit, how much of it one is.
-const UNITS: [(&str, &str, f64); 15] = [
+const UNITS: [(&str, &str, f64); 17] = [
     ("1", "\\one", 1.0),
     ("mm", "\\metre", 1e-3),
     ("um", "\\metre", 1e-6),
     ("deg", "\\radian", PI / 180.0),
     ("urad", "\\radian", 1e-6),
+    ("rad", "\\radian", 1.0),
+    ("Hz", "\\hertz", 1.0),
     ("s", "\\second", 1.0),
     ("ms", "\\second", 1e-3),
     ("um/K", "\\metre\\kelvin\\tothe{-1}", 1e-6),
@@ -69,6 +71,41 @@ pub fn celsius(name: &str, value_degc: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trunnion_effects::Unit;
+
+    /// Exponent of the metre in a D-SI unit.
+    fn power_of_metre(unit: &str) -> i32 {
+        let factors: Vec<&str> = unit.split('\\').filter(|factor| !factor.is_empty()).collect();
+        let Some(at) = factors.iter().position(|factor| *factor == "metre") else { return 0 };
+        let power = factors.get(at + 1).and_then(|next| next.strip_prefix("tothe{"));
+        power.map_or(1, |power| power.trim_end_matches('}').parse().unwrap())
+    }
+
+    /// Inside are mm, rad, s and K: a value inside is the one in SI units but for the powers of mm.
+    #[test]
+    fn every_unit_of_a_parameter_is_one_of_d_si_and_of_its_size() {
+        let shapes = ["tau_s", "period_mm", "phase_rad", "f_hz", "lobes"].map(Unit::in_name);
+        let parameters = [
+            Unit::UM,
+            Unit::URAD,
+            Unit::DEG,
+            Unit::MS,
+            Unit::UM_PER_M,
+            Unit::UM_PER_K,
+            Unit::UM_PER_MM,
+            Unit::UM_PER_MM2,
+            Unit::UM_PER_M_S2,
+            Unit::UM_PER_RAD2_S2,
+            Unit::URAD_PER_M_S2,
+            Unit::URAD_PER_RAD_S2,
+        ];
+        for unit in parameters.into_iter().chain(shapes) {
+            let known = UNITS.iter().find(|(symbol, ..)| *symbol == &*unit.symbol);
+            let (_, unit_si, factor) = known.unwrap_or_else(|| panic!("{} is no unit of D-SI", unit.symbol));
+            let (stated, expected) = (unit.per_inside * factor, 1e-3_f64.powi(power_of_metre(unit_si)));
+            assert!((stated / expected - 1.0).abs() < 1e-12, "{unit_si}: {stated} is not {expected}");
+        }
+    }
 
     #[test]
     fn values_become_si_and_unknown_units_stay_words() {

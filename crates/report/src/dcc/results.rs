@@ -13,7 +13,7 @@ pub fn data(report: &Report) -> Result<String, DccError> {
         return Err(DccError::NotJudged);
     }
     let fit = &report.comparison.identification;
-    let found: String = parameters(fit).map(of_parameter).collect();
+    let found: String = certified(fit).iter().map(of_parameter).collect();
     if found.is_empty() {
         return Err(DccError::NoResult);
     }
@@ -41,9 +41,16 @@ pub fn data(report: &Report) -> Result<String, DccError> {
     Ok(holding("dcc:measurementResults", &holding("dcc:measurementResult", &body)))
 }
 
-/// Those of the machine that have a number.
-fn parameters(fit: &Identification) -> impl Iterator<Item = &Parameter> {
-    fit.parameters.iter().filter(|p| p.observable && p.u.is_some() && !is_setting(&p.effect))
+/// Those of the machine that have a number, each effect with its shape numbers: an amplitude means nothing without its period.
+fn certified(fit: &Identification) -> Vec<Parameter> {
+    let has_number = |p: &Parameter| p.observable && p.u.is_some() && !is_setting(&p.effect);
+    let is_shape =
+        |p: &Parameter| fit.shapes.iter().any(|s| s.effect == p.effect && s.names.contains(&p.name));
+    let is_certified = |p: &Parameter| match is_shape(p) {
+        true => fit.parameters.iter().any(|own| own.effect == p.effect && has_number(own)),
+        false => has_number(p),
+    };
+    fit.listed().into_iter().filter(is_certified).collect()
 }
 
 fn of_parameter(parameter: &Parameter) -> String {

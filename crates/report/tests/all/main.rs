@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
 mod all_clear;
+mod certificate;
 mod compensation_formats;
 mod doubts;
 mod filed;
