@@ -3,7 +3,7 @@
 that fails ends it.
 
 The PDF is printed by Chromium and read by MuPDF. The certificate is judged by the rules that its publisher ships with dcclib, and by
-the XML schema where that can be had: DCC_XSD names a copy, else it is asked for at ptb.de. Without the schema one line says so.
+the XML schema where that can be had: DCC_XSD names a copy that imports D-SI 2.2.1, else it is asked for at ptb.de. Without the schema one line says so.
 `REPORT_SHOTS=FOLDER` keeps a picture of every page, to be looked at.
 """
 
@@ -52,23 +52,75 @@ def printed(pdf, first_page):
     check("the head of the long table repeats", len(heads) >= 3, heads)
 
 
-def certified(dcc):
+def schema():
+    try:
+        copy = os.environ.get("DCC_XSD")
+        return XsdValidator.from_file(copy) if copy else XsdValidator.from_version("3.3.0")
+    except SchemaDownloadError as unreachable:
+        print(f"NOT JUDGED by the XML schema 3.3.0, which cannot be had here: {unreachable}")
+        return None
+
+
+def valid(dcc, schema):
     tree = etree.parse(dcc)
     judged = SchematronValidator.for_dcc().validate_file(str(dcc))
-    check("the publisher's rules hold", judged.is_valid, [one.text for one in judged.failed_assertions])
+    check(f"{dcc.name}: the publisher's rules hold", judged.is_valid, [one.text for one in judged.failed_assertions])
+    if schema:
+        judged = schema.validate_tree(tree)
+        check(f"{dcc.name}: the XML schema 3.3.0 holds", judged.is_valid, judged.__dict__)
+    words = tree.xpath("//dcc:noQuantity//text()", namespaces=NAMESPACES)
+    check(f"{dcc.name}: every quantity has a unit of D-SI", not words, words)
+    return tree
+
+
+def certified(tree):
     values = tree.xpath("//si:real[si:unit='\\metre']/si:value/text()", namespaces=NAMESPACES)
     check("lengths are in metres", values and all(abs(float(value)) < 1e-3 for value in values), values[:3])
     uncertain = tree.xpath("//si:real[.//si:valueStandardMU]", namespaces=NAMESPACES)
     check("parameters have standard uncertainties", len(uncertain) >= 8, len(uncertain))
+    expanded = tree.xpath("//si:expandedMU/*[position() < 4]/text()", namespaces=NAMESPACES)
+    check("the largest deviation has U with k = 2", expanded[1:] == ["2", "0.95"], expanded)
+    stated = tree.xpath("//dcc:declaration/dcc:content[contains(., '(u ')]/text()", namespaces=NAMESPACES)
+    u = float(re.search(r"\(u ([0-9.]+) µm\)", stated[0])[1])
+    check("U is twice the u in words", abs(float(expanded[0]) * 1e6 - 2 * u) <= 0.01, (expanded[0], u))
     check("the decision is there", tree.xpath("//dcc:conformity/text()", namespaces=NAMESPACES) == ["fail"])
-    try:
-        copy = os.environ.get("DCC_XSD")
-        schema = XsdValidator.from_file(copy) if copy else XsdValidator.from_version("3.3.0")
-    except SchemaDownloadError as unreachable:
-        print(f"NOT JUDGED by the XML schema 3.3.0, which cannot be had here: {unreachable}")
-        return
-    judged = schema.validate_tree(tree)
-    check("the XML schema 3.3.0 holds", judged.is_valid, judged.__dict__)
+
+
+def certificates(folder, schema):
+    """Every kind of run that gets one, and those that get none."""
+
+    def issued(name, runs, *options):
+        given = ["--country", "DE", "--measured", "2026-02-28", *options]
+        trunnion("report", *runs, "-o", folder / f"{name}.html", "--dcc", folder / f"{name}.xml", *given)
+        return valid(folder / f"{name}.xml", schema)
+
+    def imported(name, *options):
+        run = folder / f"{name}.mcap"
+        trunnion("import", DATA / name / "points.csv", "--setup", DATA / name / "setup.toml", "-o", run, *options)
+        return run
+
+    def says(tree, words):
+        stated = tree.xpath("//dcc:declaration/dcc:content/text()", namespaces=NAMESPACES)
+        check(f"a certificate says: {words}", any(words in one for one in stated), stated)
+
+    gravity, drift, clear = (imported(name) for name in ["points-gravity", "points-backlash-and-drift", "points-nothing-hidden"])
+    says(issued("missing", [gravity]), "The model is not complete")
+    says(issued("clear", [clear]), "No effect is missing from the model")
+    says(issued("on-the-fly", [imported("sweep-out-of-step", "--kind", "on-the-fly")]), "cannot say whether an effect is missing")
+    issued("two-runs", [clear, drift])
+    model = folder / "drift.toml"
+    trunnion("add", "thermal-drift", drift, "--model", model)
+    tree = issued("drift", [drift], "--model", model)
+    units = tree.xpath("//dcc:quantity[contains(dcc:name/dcc:content, 'tau1_s')]//si:unit/text()", namespaces=NAMESPACES)
+    check("a drift has its time constant", units == ["\\second"], units)
+    names = [etree.parse(one).xpath("//dcc:uniqueIdentifier/text()", namespaces=NAMESPACES)[0] for one in folder.glob("*.xml")]
+    issued("wider", [gravity], "--tolerance-um", "50", "--laboratory", " A  <&> ", "--customer", "B\"'\n", "--operator", "\t", "--serial", "")
+    names += etree.parse(folder / "wider.xml").xpath("//dcc:uniqueIdentifier/text()", namespaces=NAMESPACES)
+    check("no two certificates have one identifier", len(set(names)) == len(names) >= 6, names)
+    none = ["report", gravity, "-o", folder / "none.html", "--dcc", folder / "none.xml"]
+    trunnion(*none, "--measured", "2026-02-28", code=1)
+    trunnion(*none, "--country", "DE", code=1)
+    check("without country or day there is no certificate", not (folder / "none.xml").exists())
 
 
 with tempfile.TemporaryDirectory() as temporary:
@@ -79,11 +131,16 @@ with tempfile.TemporaryDirectory() as temporary:
     common = ["report", run, "--model", model, "--tolerance-um", "12", "--operator", "Ada", "--serial", "SN 7"]
     trunnion(*common, "-o", folder / "en.html", "--pdf", folder / "en.pdf", "--dcc", folder / "en.xml", "--measured", "2026-02-28", "--country", "DE")
     printed(folder / "en.pdf", ["The model now explains this machine", "SN 7", "Ada", "fail", "pass", "What to do", "How sure", "0.94 µm", "0.34 µm"])
-    certified(folder / "en.xml")
-    trunnion(*common, "-o", folder / "de.html", "--pdf", folder / "de.pdf", "--language", "de")
+    rules = schema()
+    certified(valid(folder / "en.xml", rules))
+    german = ["--language", "de", "--dcc", folder / "de.xml", "--measured", "2026-02-28", "--country", "DE"]
+    trunnion(*common, "-o", folder / "de.html", "--pdf", folder / "de.pdf", *german)
+    check("a certificate has one language", (folder / "de.xml").read_bytes() == (folder / "en.xml").read_bytes())
+    (folder / "de.xml").unlink()
     top = words(pymupdf.open(folder / "de.pdf")[0])
     check("the German first page is German", all(part in top for part in ["nicht bestanden", "Seriennummer", "Was zu tun ist"]), top[:200])
     # By fontconfig, which the browser asks: what the browser drew is not looked at here.
     has_font = bool(subprocess.run(["fc-list", ":lang=ja", "family"], capture_output=True, text=True, check=True).stdout.strip())
     said = trunnion(*common, "-o", folder / "ja.html", "--pdf", folder / "ja.pdf", "--language", "ja", code=0 if has_font else 3)
     check(f"a PDF {'with' if has_font else 'without'} Japanese characters says so", ("no font" in said) != has_font, said)
+    certificates(folder, rules)
