@@ -5,6 +5,8 @@
 mod carried;
 #[path = "../src/schemes/judged.rs"]
 mod judged;
+#[path = "../src/schemes/named.rs"]
+mod named;
 #[path = "../src/schemes/rows.rs"]
 mod rows;
 #[path = "../src/schemes/volumetric.rs"]
@@ -60,11 +62,13 @@ fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
     }
     let answer: Value = serde_json::from_str(&trunnion(folder, &args)).unwrap();
     let truth_text = std::fs::read_to_string(&truth_file).unwrap();
+    let injected = injected(row, &truth_text);
     let numbers = match row.method {
-        None => found(&answer, &injected(row, &truth_text)),
+        None => found(&answer, &injected),
         Some(_) => {
             let cycle = Cycle::parse(row.cycle, &std::fs::read_to_string(&cycle).unwrap()).unwrap();
-            volumetric::found(&answer, &cycle, &Truth::parse(row.truth, &truth_text).unwrap())
+            let truth = Truth::parse(row.truth, &truth_text).unwrap();
+            named::found(row, &answer, &cycle, &truth, &injected)
         }
     };
     let mut worst_u = 0f64;
@@ -96,7 +100,7 @@ fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
     }
 }
 
-/// What the residuals of a method come to.
+/// What the residuals of a method come to, or how much else it gives.
 fn noises(findings: &Value) -> String {
     let values = findings["values"].as_array().unwrap();
     let noise = |value: &&Value| value["name"].as_str().unwrap().starts_with("noise of a reading");
@@ -105,7 +109,10 @@ fn noises(findings: &Value) -> String {
         .filter(noise)
         .map(|value| format!("{:.2} µm", value["value"].as_f64().unwrap()))
         .collect();
-    format!("noise of a reading {}", noises.join(", "))
+    match noises.is_empty() {
+        true => format!("{} values in all", values.len()),
+        false => format!("noise of a reading {}", noises.join(", ")),
+    }
 }
 
 /// One line of the table.

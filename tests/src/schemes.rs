@@ -2,6 +2,8 @@
 
 #[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 pub mod judged;
+#[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
+pub mod named;
 pub mod rows;
 mod table;
 mod trial;

@@ -33,7 +33,7 @@ const fn with(cycle: &'static str, model: &'static str) -> Case {
 }
 
 /// Every instrument and every way of measuring that ships.
-pub const CASES: [Case; 52] = [
+pub const CASES: [Case; 53] = [
     base("ball-bar-c"),
     with("ball-plate", "volume"),
     with("ball-plate-self", "self-calibration"),
@@ -75,6 +75,7 @@ pub const CASES: [Case; 52] = [
     base("r-test-sweep-b"),
     base("r-test-sweep-c"),
     base("r-test-table-bc-spindle"),
+    base("r-test-warm-up"),
     base("rotary-values-c"),
     base("s4-b"),
     base("s4-c"),

@@ -2,6 +2,8 @@
 
 #[path = "rows/linear.rs"]
 mod linear;
+#[path = "rows/methods.rs"]
+mod methods;
 #[path = "rows/rotary.rs"]
 mod rotary;
 #[path = "rows/row.rs"]
@@ -11,5 +13,5 @@ pub use row::Row;
 
 /// Every scheme.
 pub fn rows() -> impl Iterator<Item = &'static Row> {
-    rotary::ROWS.iter().chain(linear::ROWS)
+    rotary::ROWS.iter().chain(linear::ROWS).chain(methods::ROWS)
 }

@@ -1,8 +1,8 @@
 //! One trial: the machine of a row measured and identified by one seed.
 
 use super::judged::{Found, found, injected};
+use super::named;
 use super::rows::Row;
-use super::volumetric;
 use crate::workspace_root;
 use anyhow::Context;
 use rand::{RngExt, SeedableRng};
@@ -92,18 +92,18 @@ pub fn trial(row: &Row, kind: NoiseKind, seed: u64) -> anyhow::Result<Vec<Found>
     let machine_text = trunnion::files::machine_text(&cycle.machine)?;
     trunnion::tables::record(&recording, &run, &machine_text, &cycle_text, &[])?;
 
+    let mut injected = injected(row, &truth_text);
+    injected.values_mut().for_each(|value| *value *= times);
     let experiment = trunnion::open(&recording)?;
     if let Some(method) = row.method {
         let findings = serde_json::to_value(experiment.by_method(method, &MethodOptions::default())?)?;
-        return Ok(volumetric::found(&findings, &cycle, &truth));
+        return Ok(named::found(row, &findings, &cycle, &truth, &injected));
     }
     let model = match row.model {
         Some(name) => Model::load(config("models", name))?,
         None => Model::base(&cycle.machine),
     };
     let answer = serde_json::to_value(experiment.fit(&model)?.results())?;
-    let mut injected = injected(row, &truth_text);
-    injected.values_mut().for_each(|value| *value *= times);
     Ok(found(&answer, &injected))
 }
 

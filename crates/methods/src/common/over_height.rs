@@ -25,6 +25,17 @@ impl Weights {
         Self { slope, at_zero }
     }
 
+    /// Degrees of freedom of the u of a line, at zero and of its slope, from u and degrees of freedom at the heights [GUM G.4.1, Welch-Satterthwaite].
+    pub fn freedom(&self, u: &[f64], freedom: &[usize]) -> [usize; 2] {
+        [&self.at_zero, &self.slope].map(|weights| {
+            let variances = || weights.iter().zip(u).map(|(w, u)| (w * u).powi(2));
+            let parts: f64 = variances().zip(freedom).map(|(v, freedom)| v * v / *freedom as f64).sum();
+            let effective = variances().sum::<f64>().powi(2) / parts.max(f64::MIN_POSITIVE);
+            // Truncated to the next lower integer, as the GUM does.
+            (effective as usize).max(1)
+        })
+    }
+
     /// The line through values at the heights, with their standard uncertainties.
     pub fn line(&self, values: &[f64], u: &[f64]) -> Line {
         let sum = |weights: &[f64]| weights.iter().zip(values).map(|(w, v)| w * v).sum();

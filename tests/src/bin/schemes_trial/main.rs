@@ -2,6 +2,7 @@
 
 use anyhow::Context;
 use clap::Parser;
+use trunnion_tests::schemes::judged::Found;
 use trunnion_tests::schemes::rows::{Row, rows};
 use trunnion_tests::schemes::{NOISES, SECTION, Tried, line, trial};
 use trunnion_tests::section::Section;
@@ -19,7 +20,7 @@ struct Args {
     /// Only schemes of cycles whose names hold this, or of methods
     #[arg(long, default_value = "")]
     only: String,
-    /// Print rms z of every parameter
+    /// Print rms z of every parameter, and its rms error next to its rms u
     #[arg(long)]
     parameters: bool,
     /// Write the table into docs/measured/schemes.md instead of standard output; schemes that are not tried keep their lines
@@ -58,7 +59,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// rms z of each parameter by itself.
+/// rms z of each parameter by itself; rms error over rms u: 1 where u is right on average over the runs, however it differs from run to run.
 fn print_parameters(tried: &Tried) {
     let mut names: Vec<&str> = tried.found.iter().map(|found| found.name.as_str()).collect();
     names.sort_unstable();
@@ -66,9 +67,17 @@ fn print_parameters(tried: &Tried) {
     for name in names {
         let found = tried.found.iter().filter(|found| found.name == name).cloned().collect();
         let of_name = Tried { found, failed: 0 };
-        let u = of_name.found.iter().map(|found| found.u).sum::<f64>() / of_name.found.len() as f64;
+        let rms = |of: fn(&Found) -> f64| {
+            (of_name.found.iter().map(|found| of(found).powi(2)).sum::<f64>() / of_name.found.len() as f64)
+                .sqrt()
+        };
+        let (error, u) = (rms(|found| found.value - found.expected), rms(|found| found.u));
         let unit = &of_name.found[0].unit;
-        eprintln!("  {name}: rms z {:.2}, mean u {u:.4} {unit}", of_name.rms_z());
+        eprintln!(
+            "  {name}: rms z {:.2}, rms error {error:.4} {unit}, rms u {u:.4}, {:.2}",
+            of_name.rms_z(),
+            error / u
+        );
     }
 }
 

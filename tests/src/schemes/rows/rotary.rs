@@ -174,4 +174,40 @@ pub const ROWS: &[Row] = &[
         cannot: "EX0B against EX0C and EA0B against EA0C (some 20 µm and 100 µrad), EZ0B; place of the part: a test of acceptance, not of diagnosis",
         ..PLAIN
     },
+    Row {
+        scheme: "R-test, both heights pass by pass, twice",
+        source: "S1; ISO 230-3",
+        cycle: "r-test-interleaved",
+        truth: "table-bc",
+        identifies: LOCATIONS,
+        cannot: "as the R-test",
+        ..PLAIN
+    },
+    Row {
+        scheme: "R-test while C turns",
+        source: "S2 §4.2",
+        cycle: "r-test-sweep-c",
+        truth: "table-bc",
+        identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
+        cannot: "B (stationary)",
+        ..PLAIN
+    },
+    Row {
+        scheme: "R-test while B turns",
+        source: "S2 §4.2",
+        cycle: "r-test-sweep-b",
+        truth: "table-bc",
+        identifies: &["EX0B", "EZ0B", "EA0B", "EC0B"],
+        cannot: "C (stationary)",
+        ..PLAIN
+    },
+    Row {
+        scheme: "R-test of a hybrid machine, three legs and two axes",
+        source: "S3 §2",
+        cycle: "hybrid-static",
+        truth: "hybrid-exechon",
+        identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
+        cannot: "",
+        ..PLAIN
+    },
 ];

@@ -12,8 +12,10 @@ pub struct Row {
     pub truth: &'static str,
     /// File in `config/models`; the base model without one.
     pub model: Option<&'static str>,
-    /// What must be among the numbers.
+    /// What must be among the numbers; of a named method, which gives further values, the numbers that are judged.
     pub identifies: &'static [&'static str],
+    /// Those of them that have no sign: ranges and amplitudes.
+    pub sizes: &'static [&'static str],
     /// Method of the literature by which it is judged; the joint fit without one.
     pub method: Option<&'static str>,
     /// In words for the table.
@@ -39,6 +41,7 @@ pub const PLAIN: Row = Row {
     model: None,
     method: None,
     identifies: &[],
+    sizes: &[],
     cannot: "",
     also: &[],
 };

@@ -2,7 +2,7 @@
 
 use super::sweeps::Sweeps;
 use crate::common::feed;
-use crate::control_chart::t_beyond;
+use crate::control_chart::{of_few, t_beyond};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::statistics::COVERAGE_95;
@@ -110,7 +110,7 @@ pub(super) fn parts(method: &Method, sweeps: &Sweeps) -> Result<Parts, MethodErr
             method.lacks("the two directions were run at different feeds", "Run every feed both ways.")
         );
     };
-    let wider = t_beyond(BY_CHANCE, freedom) / COVERAGE_95;
+    let wider = of_few(freedom);
     let of_error = |error: usize| {
         let values = DVector::from_iterator(all.len(), all.iter().map(|sweep| sweep.values[error]));
         let solution = &cofactor * design.tr_mul(&values);

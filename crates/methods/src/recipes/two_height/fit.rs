@@ -20,6 +20,8 @@ pub(super) struct Heights {
     pub sets: Vec<HeightFit>,
     /// Place of the axis line over the height.
     pub centre: [Line; 2],
+    /// Degrees of freedom of the u of these lines, at zero and of the slope; `None` where a height has a single pass.
+    pub freedom: Option<[[usize; 2]; 2]>,
     /// Angles of the error motions.
     pub angles_rad: Vec<f64>,
     /// Radial u, radial v, axial w, mm, at each angle.
@@ -85,13 +87,19 @@ impl Heights {
                 &sets.iter().map(|s| s.u.centre_mm[k]).collect::<Vec<_>>(),
             )
         });
-        Ok(Self::of_motions(sets, centre, &over_height, stations))
+        let of_set: Vec<usize> = sets.iter().map(|set| set.passes.len().saturating_sub(1)).collect();
+        let freedom = sets.iter().all(|set| set.repeated).then(|| {
+            let u = |k: usize| sets.iter().map(|set| set.u.centre_mm[k]).collect::<Vec<_>>();
+            [0, 1].map(|k| over_height.freedom(&u(k), &of_set))
+        });
+        Ok(Self { freedom, ..Self::of_motions(sets, centre, &over_height, stations) })
     }
 
     /// Error motions at the angles that every height has.
     fn of_motions(sets: Vec<HeightFit>, centre: [Line; 2], over: &Weights, stations: Stations) -> Self {
         let mut heights = Self {
             centre,
+            freedom: None,
             angles_rad: Vec::new(),
             translation_mm: Vec::new(),
             tilt_rad: Vec::new(),

@@ -7,6 +7,7 @@ use super::error_motions::{ErrorMotion, Signs, error_motions};
 use super::fit::{HeightFit, Heights};
 use crate::common::harmonics::{self, Harmonics};
 use crate::common::turning::Turning;
+use crate::control_chart::of_few;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
 use crate::recipes::{Convention, Method};
 use trunnion_core::convert::deg_from_rad;
@@ -26,7 +27,7 @@ pub(super) fn findings(
     let located: Vec<Vec<FoundValue>> =
         each.iter().map(|run| location(turning, &run.heights, &signs)).collect();
     let over_runs = OverRuns::all(&located);
-    let mut values = location(turning, heights, &signs);
+    let mut values = of_few_passes(location(turning, heights, &signs), heights);
     if !over_runs.is_empty() {
         values = over_runs.iter().zip(values).map(|(of_runs, common)| of_runs.widened(common)).collect();
     }
@@ -71,6 +72,17 @@ fn location(turning: &Turning, heights: &Heights, signs: &Signs) -> Vec<FoundVal
         value(u_name, u.at_zero, Unit::UM, u.u_at_zero),
         value(v_name, v.at_zero, Unit::UM, v.u_at_zero),
     ]
+}
+
+/// u widened by Student's t, so that ± 1.96 u holds 95 %: it is by the scatter of a few passes. Of each run by itself it is not, for runs are
+/// compared by the root mean square of all their u (`each_run`).
+fn of_few_passes(location: Vec<FoundValue>, heights: &Heights) -> Vec<FoundValue> {
+    let Some([[u_at_zero, u_slope], [v_at_zero, v_slope]]) = heights.freedom else { return location };
+    let widened = |(found, freedom): (FoundValue, usize)| {
+        let u = found.u.map(|u| u * of_few(freedom));
+        FoundValue { u, ..found }
+    };
+    location.into_iter().zip([v_slope, u_slope, u_at_zero, v_at_zero]).map(widened).collect()
 }
 
 fn settings(turning: &Turning, heights: &Heights) -> Vec<FoundValue> {
@@ -166,7 +178,7 @@ fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
     }
     if heights.sets.iter().all(|set| set.repeated) {
         notes.push(
-            "Uncertainties hold what changes from pass to pass; a slow drift from one height to the next is not in them.".into(),
+            "Uncertainties hold what changes from pass to pass, widened by Student's t for few passes; a slow drift from one height to the next is not in them.".into(),
         );
     }
     if heights.sets.iter().any(|set| !set.repeated) {
