@@ -5,6 +5,7 @@ pub(crate) mod bar;
 pub(crate) mod feed;
 pub(crate) mod harmonics;
 pub(crate) mod lone;
+pub(crate) mod of_few;
 pub(crate) mod over_height;
 pub(crate) mod relative;
 pub(crate) mod rounding;

@@ -10,7 +10,6 @@
 //! Limits: normal differences from run to run, independent of one another. Seasons are neither.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
-use trunnion_core::statistics::COVERAGE_95;
 
 /// Runs in which one false alarm is allowed, over all values: a year of daily runs.
 pub const RUNS_PER_FALSE_ALARM: f64 = 365.0;
@@ -103,11 +102,6 @@ pub fn t_beyond(share: f64, freedom: usize) -> f64 {
         (low, high) = if 1.0 - within(middle, freedom) > share { (middle, high) } else { (low, middle) };
     }
     (0.5 * (low + high)).tan() * (freedom as f64).sqrt()
-}
-
-/// By what a u of so many degrees of freedom is multiplied, so that ± 1.96 u holds 95 % as with many [GUM G.3.2].
-pub(crate) fn of_few(freedom: usize) -> f64 {
-    t_beyond(0.05, freedom) / COVERAGE_95
 }
 
 /// A(t|ν) at tan θ = t/√ν [Abramowitz 1964 §26.7.3, §26.7.4].

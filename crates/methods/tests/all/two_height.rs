@@ -73,3 +73,19 @@ fn runs_of_one_machine_are_doubted_no_more_than_once_in_twenty() {
     let count = (0..60).filter(|&seed| doubted(seed)).count();
     assert!(count <= 8, "{count}");
 }
+
+/// Four passes at each height leave u some five degrees of freedom, of which ± 1.96 u would hold 89 %.
+#[test]
+fn intervals_by_few_passes_hold_what_they_say() {
+    let inside = |seed: u64| {
+        let alone = found(&[empty("two-height-c-static", seed)]);
+        let holds = |name: &&str| {
+            let value = alone.value(name).unwrap();
+            value.value.abs() <= 1.96 * value.u.unwrap()
+        };
+        ["EX0C", "EY0C", "EA0C", "EB0C"].iter().filter(holds).count()
+    };
+    let held: usize = (1000..1100).map(inside).sum();
+    // Place and lean of a line go together, so of 400 numbers some 200 are independent: 95 % less two standard deviations of a binomial.
+    assert!(held >= 368, "{held} of 400");
+}

@@ -185,7 +185,7 @@ fn the_source_convention_turns_the_signs_of_s0() {
     }
 }
 
-/// Four passes leave three degrees of freedom: mean square of t with three degrees of freedom is 3.
+/// Four passes leave three degrees of freedom at each height; u is widened for it.
 #[test]
 fn uncertainties_cover_the_errors() {
     let cycle = cycle(&cycle_text("two-height-c-static"));
@@ -200,9 +200,9 @@ fn uncertainties_cover_the_errors() {
         }
     }
     squares.sort_by(f64::total_cmp);
-    // Median of t² with 3 degrees of freedom (and nearly 6 here, two heights): 0.51–0.59.
+    // Median of t² with 3 to 6 degrees of freedom, 0.51 to 0.59, over the square of the widening, 2.6 to 1.6: 0.22 to 0.33.
     let median = squares[squares.len() / 2];
-    assert!((0.25..1.1).contains(&median), "median of squares {median}");
+    assert!((0.11..0.66).contains(&median), "median of squares {median}");
 }
 
 #[test]

@@ -2,13 +2,12 @@
 
 use super::sweeps::Sweeps;
 use crate::common::feed;
-use crate::control_chart::{of_few, t_beyond};
+use crate::common::of_few::widening;
+use crate::common::significance::BY_CHANCE;
+use crate::control_chart::t_beyond;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::statistics::COVERAGE_95;
-
-/// What a 95 % interval leaves outside; also the chance that any error is said to depend on the feed where none does.
-const BY_CHANCE: f64 = 0.05;
 
 /// A part of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,7 +109,7 @@ pub(super) fn parts(method: &Method, sweeps: &Sweeps) -> Result<Parts, MethodErr
             method.lacks("the two directions were run at different feeds", "Run every feed both ways.")
         );
     };
-    let wider = of_few(freedom);
+    let wider = widening(freedom);
     let of_error = |error: usize| {
         let values = DVector::from_iterator(all.len(), all.iter().map(|sweep| sweep.values[error]));
         let solution = &cofactor * design.tr_mul(&values);

@@ -6,8 +6,8 @@ use super::each_run::{self, OfRun, OverRuns};
 use super::error_motions::{ErrorMotion, Signs, error_motions};
 use super::fit::{HeightFit, Heights};
 use crate::common::harmonics::{self, Harmonics};
+use crate::common::of_few::widening;
 use crate::common::turning::Turning;
-use crate::control_chart::of_few;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
 use crate::recipes::{Convention, Method};
 use trunnion_core::convert::deg_from_rad;
@@ -79,7 +79,7 @@ fn location(turning: &Turning, heights: &Heights, signs: &Signs) -> Vec<FoundVal
 fn of_few_passes(location: Vec<FoundValue>, heights: &Heights) -> Vec<FoundValue> {
     let Some([[u_at_zero, u_slope], [v_at_zero, v_slope]]) = heights.freedom else { return location };
     let widened = |(found, freedom): (FoundValue, usize)| {
-        let u = found.u.map(|u| u * of_few(freedom));
+        let u = found.u.map(|u| u * widening(freedom));
         FoundValue { u, ..found }
     };
     location.into_iter().zip([v_slope, u_slope, u_at_zero, v_at_zero]).map(widened).collect()
