@@ -1,6 +1,6 @@
 //! Named methods of the literature: of each the numbers that have an uncertainty and an injected value.
 
-use super::row::{PLAIN, Row};
+use super::row::{LOCATIONS, PLAIN, Row};
 
 /// Of C at B = 0, what carries it included.
 const OF_C: &[&str] = &["EX0C", "EY0C", "EA0C", "EB0C"];
@@ -87,31 +87,9 @@ pub const ROWS: &[Row] = &[
         scheme: "Error map of both axes, R-test on a grid (method error-map)",
         source: "S1 eq. 10–22",
         cycle: "r-test-static",
-        truth: "table-bc-motions",
+        truth: "table-bc",
         method: Some("error-map"),
-        identifies: &[
-            "EX0B",
-            "EZ0B",
-            "EA0B",
-            "EB0B",
-            "EC0B",
-            "EX0C",
-            "EY0C",
-            "EA0C",
-            "EXC range",
-            "EYC range",
-            "EZC range",
-            "EAC range",
-            "EBC range",
-        ],
-        sizes: RANGES,
-        also: &[
-            ("EXC range", 4.0),
-            ("EYC range", 2.0),
-            ("EZC range", 2.0),
-            ("EAC range", 40.0),
-            ("EBC range", 20.0),
-        ],
+        identifies: LOCATIONS,
         cannot: "as the R-test; positioning error of C",
         ..PLAIN
     },

@@ -206,8 +206,8 @@ pub const ROWS: &[Row] = &[
         source: "S3 §2",
         cycle: "hybrid-static",
         truth: "hybrid-exechon",
-        identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
-        cannot: "",
+        identifies: &["EX0C", "EY0C", "EA0C", "EB0C", "EY0A", "EZ0A", "EB0A"],
+        cannot: "EZ0C and EC0A (the others of their directions hold them)",
         ..PLAIN
     },
 ];
