@@ -83,7 +83,7 @@ fn intervals_by_few_passes_hold_what_they_say() {
             let value = alone.value(name).unwrap();
             value.value.abs() <= 1.96 * value.u.unwrap()
         };
-        ["EX0C", "EY0C", "EA0C", "EB0C"].iter().filter(holds).count()
+        ["EX0C", "EY0C", "EA0C", "EB0C"].into_iter().filter(holds).count()
     };
     let held: usize = (1000..1100).map(inside).sum();
     // Place and lean of a line go together, so of 400 numbers some 200 are independent: 95 % less two standard deviations of a binomial.

@@ -179,7 +179,7 @@ fn averaged(
         let reading = table_from_machine * tool_against_table_mm(machine, setup, point);
         // What an error does there is that of the grid: where every cell of a tilt stands a little elsewhere, what no reading sees
         // (the zero pose along and about the turning axis) would pass for seen, with millimetres of u.
-        let mut nominal = position.clone();
+        let mut nominal = *position;
         nominal[tilting] = tilts.angles_rad[i];
         nominal[turning] = turns.angles_rad[j];
         let machine_from_table = machine.machine_from_table(&nominal, &JointErrors::default());
