@@ -2,7 +2,7 @@
 
 use super::clock::set_back;
 use super::found::{Implausible, plain};
-use crate::problem::steps::{FEWEST_STEPS, only_direction, steps};
+use crate::problem::steps::{FEWEST_STEPS, only_direction, steps, steps_by};
 use std::f64::consts::TAU;
 use trunnion_core::{Joint, Point, statistics};
 use trunnion_cycles::{Run, RunKind};
@@ -19,6 +19,12 @@ const USUAL_S: f64 = 5.0;
 const UNITS: [(&str, f64); 3] = [("minutes", 60.0), ("hours", 3600.0), ("days", 86_400.0)];
 /// Share of the steps against the stated directions, where both are stated: what is left are the returns to the beginning of a pass.
 const REVERSED: f64 = 0.9;
+/// A direction that is stated of another axis says nothing: half of the steps go against it, and on no cycle so few as a quarter.
+const STRANGE: f64 = 0.25;
+/// Feeds below which nothing is measured on the fly, 5°/min and 5 mm/min: a circle of 150 mm would take three hours. A usual feed of
+/// 1000 mm/min is 1 mm/min where milliseconds are taken for seconds.
+const SLOWEST_RAD_PER_S: f64 = TAU / 72.0 / 60.0;
+const SLOWEST_MM_PER_S: f64 = 5.0 / 60.0;
 /// A count is not that of a random order when it is so many standard deviations away: one in 700 on one side [normal distribution].
 const SURE: f64 = 3.0;
 /// With fewer steps a random order may run back no more often than a clock that began again twice: n/2 − SURE √((n + 2)/12) is 2 for
@@ -31,8 +37,10 @@ const REVERSED_STEPS: usize = 5;
 pub(super) fn implausible(runs: &[Run], belong: bool) -> Vec<Implausible> {
     let of_run = |run: &Run| {
         let joints = if belong { run.machine.joints() } else { Vec::new() };
-        let mut directions: Vec<Implausible> =
-            joints.into_iter().filter_map(|joint| against(run, joint)).collect();
+        let mut directions: Vec<Implausible> = match exchanged(run, &joints) {
+            Some(exchanged) => vec![exchanged],
+            None => joints.into_iter().filter_map(|joint| against(run, joint)).collect(),
+        };
         if let [_, .., last] = &mut directions[..] {
             last.hypothesis +=
                 " Where several axes go against their directions, the positions may stand in reversed order.";
@@ -42,6 +50,7 @@ pub(super) fn implausible(runs: &[Run], belong: bool) -> Vec<Implausible> {
             .into_iter()
             .chain(too_long(run))
             .chain(too_fast(run))
+            .chain(too_slow(run))
             .chain(directions)
             .collect::<Vec<_>>()
     };
@@ -114,26 +123,7 @@ fn too_fast(run: &Run) -> Option<Implausible> {
     if run.kind != RunKind::Static || run.points.iter().any(|point| point.samples > 1) {
         return None;
     }
-    let joints = run.machine.joints();
-    let share_of_fastest = |from: &Point, to: &Point| {
-        let step_s = to.state.time_s? - from.state.time_s?;
-        let of_joint = |joint: &Joint| {
-            let moved = to.state.position[*joint] - from.state.position[*joint];
-            match joint.is_rotary() {
-                true => (moved - (moved / TAU).round() * TAU).abs() / FASTEST_RAD_PER_S,
-                false => moved.abs() / FASTEST_MM_PER_S,
-            }
-        };
-        let least_s = joints.iter().map(of_joint).fold(0.0, f64::max);
-        (step_s > 0.0 && least_s > 0.0).then_some((step_s, least_s / step_s))
-    };
-    let steps: Vec<(f64, f64)> =
-        run.points.windows(2).filter_map(|pair| share_of_fastest(&pair[0], &pair[1])).collect();
-    if steps.len() < FEWEST_TIMES {
-        return None;
-    }
-    let usual = |of: fn(&(f64, f64)) -> f64| statistics::median(&steps.iter().map(of).collect::<Vec<_>>());
-    let (usual_s, times) = (usual(|step| step.0)?, usual(|step| step.1)?);
+    let (usual_s, times) = usual_step(run, FASTEST_RAD_PER_S, FASTEST_MM_PER_S)?;
     (times > 1.0).then(|| {
         let off_usual = |(_, factor): &&(&str, f64)| (usual_s * factor / USUAL_S).ln().abs();
         let (unit, factor) =
@@ -146,6 +136,78 @@ fn too_fast(run: &Run) -> Option<Implausible> {
             &format!(
                 "In {unit} instead of seconds (factor {factor}) it would be plausible. Check the units of time_s."
             ),
+        )
+    })
+}
+
+/// Rows on the fly that follow each other too slowly.
+fn too_slow(run: &Run) -> Option<Implausible> {
+    if run.kind != RunKind::OnTheFly {
+        return None;
+    }
+    let (usual_s, times) = usual_step(run, SLOWEST_RAD_PER_S, SLOWEST_MM_PER_S)?;
+    (times < 1.0).then(|| {
+        plain(
+            format!(
+                "{}: on the fly its rows are {usual_s:.1} s apart, and no axis moves faster than 5 mm/min or 5°/min.",
+                run.name
+            ),
+            "In milliseconds instead of seconds (factor 1000) it would be plausible. Check the units of time_s.",
+        )
+    })
+}
+
+/// Usual time between two rows at which an axis moved, s, and the usual speed of the axis that is the fastest there, as a share of these.
+fn usual_step(run: &Run, rad_per_s: f64, mm_per_s: f64) -> Option<(f64, f64)> {
+    let joints = run.machine.joints();
+    let share = |from: &Point, to: &Point| {
+        let step_s = to.state.time_s? - from.state.time_s?;
+        let of_joint = |joint: &Joint| {
+            let moved = to.state.position[*joint] - from.state.position[*joint];
+            match joint.is_rotary() {
+                true => (moved - (moved / TAU).round() * TAU).abs() / rad_per_s,
+                false => moved.abs() / mm_per_s,
+            }
+        };
+        let least_s = joints.iter().map(of_joint).fold(0.0, f64::max);
+        (step_s > 0.0 && least_s > 0.0).then_some((step_s, least_s / step_s))
+    };
+    let steps: Vec<(f64, f64)> = run.points.windows(2).filter_map(|pair| share(&pair[0], &pair[1])).collect();
+    if steps.len() < FEWEST_TIMES {
+        return None;
+    }
+    let usual = |of: fn(&(f64, f64)) -> f64| statistics::median(&steps.iter().map(of).collect::<Vec<_>>());
+    Some((usual(|step| step.0)?, usual(|step| step.1)?))
+}
+
+/// Two axes whose directions stand in each other's columns: as they are, many steps of both go against them; exchanged, hardly any does.
+fn exchanged(run: &Run, joints: &[Joint]) -> Option<Implausible> {
+    let points = &run.points;
+    let contrary = |joint: Joint, stated_of: Joint| {
+        let steps = steps_by(points, joint, stated_of);
+        let contrary = steps.iter().filter(|step| step.is_contrary()).count();
+        (steps.len() >= FEWEST_STEPS).then_some((contrary, steps.len()))
+    };
+    let share = |(contrary, count): (usize, usize)| contrary as f64 / count as f64;
+    let is_strange = |of: &(usize, usize)| share(*of) > STRANGE;
+    let agrees = |of: &(usize, usize)| share(*of) < 1.0 - REVERSED;
+    let stated = joints.iter().filter(|joint| only_direction(points, **joint).is_none());
+    let strange: Vec<(Joint, (usize, usize))> =
+        stated.filter_map(|&joint| Some((joint, contrary(joint, joint).filter(is_strange)?))).collect();
+    let pairs = strange.iter().enumerate().flat_map(|(k, a)| strange[k + 1..].iter().map(move |b| (a, b)));
+    let found = pairs.into_iter().find(|((a, _), (b, _))| {
+        [(*a, *b), (*b, *a)]
+            .iter()
+            .all(|(joint, other)| contrary(*joint, *other).is_some_and(|of| agrees(&of)))
+    });
+    found.map(|((a, of_a), (b, of_b))| {
+        let [column_a, column_b] = [a, b].map(|joint| format!("direction_{}", joint.lower()));
+        plain(
+            format!(
+                "{}: {column_a} is opposite to the motion of {a} in {} of {} steps, and {column_b} to that of {b} in {} of {}.",
+                run.name, of_a.0, of_a.1, of_b.0, of_b.1
+            ),
+            &format!("Exchanged, both columns agree with the motion. Exchange {column_a} and {column_b} in the file."),
         )
     })
 }
@@ -174,6 +236,7 @@ fn against(run: &Run, joint: Joint) -> Option<Implausible> {
 mod tests {
     use super::*;
     use nalgebra::Point3;
+    use trunnion_core::axis::iso::{X, Y};
     use trunnion_core::{InstrumentKind, NestSide, Quality, Setup, State};
 
     fn found(times: &[f64]) -> Option<String> {
@@ -190,6 +253,63 @@ mod tests {
         let kind = RunKind::Static;
         let run = Run { name: "short".into(), machine, kind, setups: vec![ball], channels: vec![], points };
         backward(&run).map(|found| found.finding)
+    }
+
+    /// A circle on the fly in XY, there and back, a row every `row_s`.
+    fn circle(row_s: f64) -> Run {
+        let bar = Setup::new("bar", InstrumentKind::BallBar, NestSide::Table, Point3::new(0.0, 0.0, 100.0));
+        let machine = trunnion_machine::shipped::machine("three-axis").unwrap();
+        let at = |k: i32| {
+            let (way, turn) = if k < 360 { (1.0, f64::from(k)) } else { (-1.0, f64::from(719 - k)) };
+            let (sin, cos) = (turn + 0.5).to_radians().sin_cos();
+            let mut state = State { time_s: Some(row_s * f64::from(k)), ..State::default() };
+            for (joint, place, heading) in [(X, cos, -way * sin), (Y, sin, way * cos)] {
+                state.position[joint] = 150.0 * place;
+                state.direction[joint] = f64::signum(heading);
+            }
+            Point { state, reading_mm: [0.0; 3], spread_mm: [0.0; 3], samples: 1, quality: Quality::Good }
+        };
+        let points = (0..720).map(at).collect();
+        Run {
+            name: "xy".into(),
+            machine,
+            kind: RunKind::OnTheFly,
+            setups: vec![bar],
+            channels: vec![],
+            points,
+        }
+    }
+
+    fn words(run: Run) -> String {
+        implausible(&[run], true).iter().map(|one| format!("{} {}\n", one.finding, one.hypothesis)).collect()
+    }
+
+    #[test]
+    fn directions_in_each_others_columns_are_named_and_right_ones_are_not() {
+        assert_eq!(words(circle(0.16)), "");
+        let mut exchanged = circle(0.16);
+        for point in &mut exchanged.points {
+            let [x, y] = [X, Y].map(|joint| point.state.direction[joint]);
+            (point.state.direction[X], point.state.direction[Y]) = (y, x);
+        }
+        let said = words(exchanged);
+        assert!(said.contains("Exchange direction_x and direction_y in the file"), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+        // An axis whose signs are wrong is not exchanged with another.
+        let mut reversed = circle(0.16);
+        reversed.points.iter_mut().for_each(|point| point.state.direction[X] *= -1.0);
+        assert!(!words(reversed).contains("Exchange"));
+    }
+
+    #[test]
+    fn milliseconds_in_the_column_of_seconds_are_named_on_the_fly() {
+        // 2.6 mm every 0.16 s are 980 mm/min.
+        let said = words(circle(160.0));
+        assert!(
+            said.contains("160.0 s apart") && said.contains("In milliseconds instead of seconds"),
+            "{said}"
+        );
+        assert_eq!(words(circle(1.6)), "", "98 mm/min is slow, and possible");
     }
 
     #[test]

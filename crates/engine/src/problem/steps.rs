@@ -27,13 +27,18 @@ impl Step {
 
 /// Steps of one run at which the axis moved and a direction is stated.
 pub(crate) fn steps(points: &[Point], joint: Joint) -> Vec<Step> {
+    steps_by(points, joint, joint)
+}
+
+/// Steps of `joint` with the direction that is stated of another one.
+pub(crate) fn steps_by(points: &[Point], joint: Joint, stated_of: Joint) -> Vec<Step> {
     points
         .windows(2)
         .filter(|pair| pair[0].state.setup == pair[1].state.setup)
         .map(|pair| {
             let moved = pair[1].state.position[joint] - pair[0].state.position[joint];
             let turns = if joint.is_rotary() { (moved / TAU).round() } else { 0.0 };
-            Step { moved, way: moved - turns * TAU, stated: pair[1].state.direction[joint] }
+            Step { moved, way: moved - turns * TAU, stated: pair[1].state.direction[stated_of] }
         })
         .filter(|step| step.moved != 0.0 && step.stated != 0.0)
         .collect()

@@ -99,6 +99,7 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     ["The rows were reversed or shuffled, or the times belong to other rows.", "Die Zeilen wurden umgedreht oder durcheinandergebracht, oder die Zeiten gehören zu anderen Zeilen.", "行が逆順か入れ替わっている、または時刻が別の行のものである。"],
     ["Give the rows in the order in which they were taken.", "Die Zeilen in der Reihenfolge angeben, in der sie gemessen wurden.", "行を測定した順に与える。"],
     ["{}: by its times the cycle took {} days, which is too long.", "{}: Nach seinen Zeiten dauerte der Zyklus {} Tage, das ist zu lang.", "{}：時刻からはサイクルに {} 日かかったことになり、長すぎる。"],
+    ["{}: on the fly its rows are {} s apart, and no axis moves faster than 5 mm/min or 5°/min.", "{}: Seine Zeilen während der Bewegung liegen {} s auseinander, und keine Achse bewegt sich schneller als 5 mm/min oder 5°/min.", "{}：移動中の行の間隔が {} s で、どの軸も 5 mm/min または 5°/min より速く動いていない。"],
     ["In milliseconds instead of seconds (factor 1000) it would be plausible.", "In Millisekunden statt Sekunden (Faktor 1000) wäre es plausibel.", "秒でなくミリ秒（1000 倍）なら妥当である。"],
     ["In {} instead of seconds (factor {}) it would be plausible.", "In {} statt Sekunden (Faktor {}) wäre es plausibel.", "秒でなく {}（{} 倍）なら妥当である。"],
     ["Check the units of time_s.", "Die Einheit von time_s prüfen.", "time_s の単位を確認する。"],
@@ -106,6 +107,9 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     ["The directions were never filled in.", "Die Richtungen wurden nie ausgefüllt.", "方向が記入されていない。"],
     ["Give {} as the axis moved, or 0 where it is not known.", "{} so angeben, wie sich die Achse bewegte, oder 0, wo es nicht bekannt ist.", "{} を軸が動いた向きで与える。不明なら 0 とする。"],
     ["{}: {} is opposite to the motion of {} in {} of {} steps.", "{}: {} ist der Bewegung von {} entgegengesetzt, in {} von {} Schritten.", "{}：{} が {} の動きと逆である（{}／{} ステップ）。"],
+    ["{}: {} is opposite to the motion of {} in {} of {} steps, and {} to that of {} in {} of {}.", "{}: {} ist der Bewegung von {} entgegengesetzt, in {} von {} Schritten, und {} der von {}, in {} von {}.", "{}：{} が {} の動きと逆（{}／{} ステップ）、{} が {} の動きと逆（{}／{}）である。"],
+    ["Exchanged, both columns agree with the motion.", "Vertauscht stimmen beide Spalten mit der Bewegung überein.", "入れ替えると両方の列が動きと一致する。"],
+    ["Exchange {} and {} in the file.", "{} und {} in der Datei vertauschen.", "ファイルで {} と {} を入れ替える。"],
     ["The signs of {} are reversed, and backlash would have the wrong sign.", "Die Vorzeichen von {} sind umgekehrt, und die Umkehrspanne hätte das falsche Vorzeichen.", "{} の符号が逆で、バックラッシの符号が誤る。"],
     ["Give +1 where {} came from below.", "+1 angeben, wo {} von unten kam.", "{} が下側から来た所に +1 を与える。"],
     // Channels.
@@ -123,6 +127,8 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     ["The readings were sorted without their positions, and which belongs to which pose is lost.", "Die Messwerte wurden ohne ihre Positionen sortiert; welcher zu welcher Stellung gehört, ist verloren.", "読みが位置を伴わずに並べ替えられ、姿勢との対応が失われている。"],
     ["Import the table as it was measured.", "Die Tabelle importieren, wie sie gemessen wurde.", "測定したままの表を取り込む。"],
     // Sizes.
+    ["{}: in setup {} all deviations from the targets lie within {} µm over {} mm: no axis and no laser is so good.", "{}: In Aufstellung {} liegen alle Abweichungen von den Zielen innerhalb {} µm über {} mm: So gut ist keine Achse und kein Laser.", "{}：段取り {} で目標からの偏差がすべて {} µm 以内（{} mm にわたって）にある。そこまで正確な軸もレーザもない。"],
+    ["Check the unit of the deviations, unless the run was simulated without errors and noise.", "Die Einheit der Abweichungen prüfen, außer der Messlauf wurde ohne Fehler und Rauschen simuliert.", "誤差とノイズなしの模擬でなければ、偏差の単位を確認する。"],
     ["{}: no reading is larger than {} µm, which is too small for a ball set in a nest.", "{}: Kein Messwert ist größer als {} µm; das ist zu klein für eine Kugel in einem Nest.", "{}：最大の読みが {} µm で、ネストに置いた球としては小さすぎる。"],
     ["In mm instead of µm (factor 1000) they would be plausible.", "In mm statt µm (Faktor 1000) wären sie plausibel.", "µm でなく mm（1000 倍）なら妥当である。"],
     ["Check the units of the readings.", "Die Einheit der Messwerte prüfen.", "読みの単位を確認する。"],
