@@ -5,6 +5,7 @@
 
 mod header;
 mod notes;
+mod number;
 mod renamed;
 mod row;
 mod units;
@@ -172,6 +173,11 @@ fn read(
         }
         if std::mem::take(&mut is_first) && units::are(&cells) {
             units::check(&mut notes, line, &names, &cells);
+            continue;
+        }
+        if cells.iter().map(|(_, cell)| cell).eq(&names) {
+            let advice = "Where the table goes on, remove this row; where another table begins, give it a file of its own.";
+            notes.add(line, 1, "this row is the header again", "one header and its rows", advice);
             continue;
         }
         if cells.len() != cells_of_row {

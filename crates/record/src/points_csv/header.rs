@@ -76,9 +76,17 @@ pub(super) fn read_header(
     };
     let parse = |cell: &String| among(cell, &allowed);
     let there: Vec<Column> = header.iter().filter_map(|(_, cell)| parse(cell)).collect();
-    if there.is_empty() && machine.is_some() && setups.is_some() {
+    // One cell that ends in _degc reads as a temperature, and is no header either.
+    if (there.is_empty() || header.len() == 1) && machine.is_some() && setups.is_some() {
         let first = header.first().map_or("", |(_, cell)| cell);
-        let advice = "A title in front of the header begins with #. Columns of another program are named in the setup file, [columns].";
+        let advice = match header {
+            [(_, one)] if one.contains(char::is_whitespace) => {
+                "The row is one cell: separate cells by commas, semicolons or tabs. A title in front of the header begins with #."
+            }
+            _ => {
+                "A title in front of the header begins with #. Columns of another program are named in the setup file, [columns]."
+            }
+        };
         notes.add(
             line,
             1,

@@ -1,6 +1,7 @@
 //! One row of a points file as a point.
 
 use super::notes::Notes;
+use super::number::expected;
 use crate::column::Column;
 use crate::motion::Taken;
 use crate::rows::Cell;
@@ -55,7 +56,8 @@ pub(super) fn read_row(
             continue;
         }
         let Some(number) = cell.parse().ok().filter(|number: &f64| number.is_finite()) else {
-            notes.add(line, at, &format!("{} = \"{cell}\"", column.name()), "a finite number", "");
+            let (allowed, advice) = expected(column, cell);
+            notes.add(line, at, &format!("{} = \"{cell}\"", column.name()), allowed, advice);
             continue;
         };
         match column {

@@ -97,6 +97,47 @@ fn every_problem_of_both_files_is_reported_at_once() {
     assert!(import("", SETUP).unwrap_err().to_string().contains("points.csv: the file is empty"));
 }
 
+/// Cells of other programs: what to change stands next to what is wrong.
+#[test]
+fn a_cell_that_is_no_number_says_what_to_change() {
+    let with = |name: &str, cell: &str| {
+        let mut lines = POINTS.lines();
+        let header = lines.next().unwrap();
+        let at = header.split(',').position(|column| column == name).unwrap();
+        let first = lines.next().unwrap();
+        let cells: Vec<&str> =
+            first.split(',').enumerate().map(|(k, own)| if k == at { cell } else { own }).collect();
+        import(&format!("{header}\n{}\n", cells.join(",")), SETUP).unwrap_err().to_string()
+    };
+    for cell in ["\"1,464.19\"", "1'464.19", "1 464.19"] {
+        assert!(with("dx_um", cell).contains("without marks between thousands"), "{}", with("dx_um", cell));
+    }
+    for cell in ["-35.81 um", "12.5µm", "3 °"] {
+        assert!(with("dx_um", cell).contains("Leave the unit out of the cells"), "{}", with("dx_um", cell));
+    }
+    for cell in ["", "NaN", "n/a"] {
+        assert!(with("dx_um", cell).contains("Leave out rows"), "{}", with("dx_um", cell));
+    }
+    for cell in ["+", "up", ""] {
+        let shown = with("direction_b", cell);
+        assert!(
+            shown.contains("allowed: -1, 0, 1") && shown.contains("1 where the axis came from below"),
+            "{shown}"
+        );
+    }
+    let word = with("dx_um", "zero");
+    assert!(word.trim_end().ends_with("allowed: a finite number"), "{word}");
+}
+
+#[test]
+fn a_second_table_in_the_file_is_one_problem() {
+    let shown = import(&format!("{POINTS}\n{POINTS}"), SETUP).unwrap_err().to_string();
+    assert!(shown.contains("this row is the header again") && shown.contains("a file of its own"), "{shown}");
+    assert!(!shown.contains("finite number") && !shown.contains("[[setup]]"), "{shown}");
+    let one_column = import(&POINTS.replace(',', " "), SETUP).unwrap_err().to_string();
+    assert!(one_column.contains("separate cells by commas, semicolons or tabs"), "{one_column}");
+}
+
 #[test]
 fn one_problem_in_every_row_is_said_once_with_its_count() {
     let wrong = POINTS.replace("low,", "lwo,").replace("high,", "lwo,");
