@@ -373,6 +373,11 @@ fn a_static_run_whose_rows_follow_the_path_has_the_speed_of_its_times() {
         assert!((found.value - put_in).abs() < 4.0 * found.u.unwrap(), "{found:?}");
     }
     assert!(found.notes.iter().any(|note| note.contains("by time_s") && note.contains("--kind on-the-fly")));
+    assert!(found.notes.iter().any(|note| note.contains("feed 1000 mm/min")), "{:?}", found.notes);
+    // Rows on the fly that are too far apart for a speed at each of them: nothing was imported as static.
+    let found = circular(Run { kind: RunKind::OnTheFly, ..run.clone() });
+    assert!(found.notes.iter().any(|note| note.contains("too far apart in time")), "{:?}", found.notes);
+    assert!(!found.notes.iter().any(|note| note.contains("imported as static")), "{:?}", found.notes);
     // Times to the second, where ten rows follow one another in it.
     let mut coarse = run.clone();
     for point in &mut coarse.points {

@@ -13,7 +13,11 @@ const APART: f64 = 0.002;
 /// Readings by an end that the run counts to the way before it, of so many steps. A direction from row to row changes one row late.
 const LATE_STEPS: f64 = 1.5;
 
-/// True just beyond an end of a diameter, where the run says that the axis has not reversed yet, or where the axis came from the row `before` of the
+/// A row is the end of a diameter itself within this share of a step: tables of whole or half degrees have such rows, and the last digit of their
+/// positions, not the machine, gives the way. One row in fifty lies so by chance.
+const AT_END_STEPS: f64 = 0.01;
+
+/// True at the very end of a diameter, and just beyond it where the run says that the axis has not reversed yet, or where the axis came from the row `before` of the
 /// same pass against the way it goes: direction from row to row and direction by speed differ there, and by one of both the reading would be wrong.
 pub(super) fn is_between(before: Option<&Sample>, sample: &Sample, usual_step_rad: f64) -> bool {
     let (sin, cos) = sample.angle_rad.sin_cos();
@@ -25,7 +29,8 @@ pub(super) fn is_between(before: Option<&Sample>, sample: &Sample, usual_step_ra
         let came = |before: &Sample| [cos, sin][k] - [before.angle_rad.cos(), before.angle_rad.sin()][k];
         before.is_some_and(|before| came(before) * sample.heading(k) <= 0.0)
     };
-    is_late(0) || is_late(1) || came_against(0) || came_against(1)
+    let is_at_end = |k: usize| [sin, cos][k].abs() < AT_END_STEPS * usual_step_rad;
+    [0, 1].into_iter().any(|k| is_at_end(k) || is_late(k) || came_against(k))
 }
 
 /// Fills `reversal` of the samples, which hold what the run states, pass by pass. Gives the number of beginnings that are not known.

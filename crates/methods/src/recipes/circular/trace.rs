@@ -3,6 +3,7 @@
 use super::plate;
 use super::reversals;
 use super::sample::{Reversal, Sample};
+use crate::common::feed::by_feed;
 use crate::common::{Mounted, Recognised};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Vector2, Vector3};
@@ -22,6 +23,8 @@ const OUT_OF_PLANE_MM: f64 = 1e-4;
 const FARTHEST_STEPS: f64 = 10.0;
 /// A wider gap is no step between readings: what the circle would read there is not known. A sixth of the shortest lobe that the list has.
 const WHOLE_RAD: f64 = PI / 9.0;
+/// Fewer readings at a speed are those of an axis that starts or stops: a tenth of a circle is 36°. A judgement, tuned on no data.
+const FEED_SHARE: f64 = 0.1;
 /// The list has some twenty unknowns.
 const LEAST_READINGS: usize = 60;
 
@@ -80,6 +83,18 @@ impl Trace {
     /// Whether the run shows the speed along the path.
     pub fn knows_speed(&self) -> bool {
         matches!(self.speed, Speed::Run | Speed::Times)
+    }
+
+    /// Feeds along the path, slowest first; empty where they are not known.
+    pub fn feeds_mm_per_s(&self) -> Vec<f64> {
+        let known = self.samples.iter().filter(|_| self.knows_speed()).map(|sample| sample.speed_mm_per_s);
+        let feeds = by_feed(known.filter(|speed| *speed > 0.0).collect());
+        let least = FEED_SHARE * self.samples.len() as f64;
+        feeds
+            .iter()
+            .filter(|of_feed| of_feed.len() as f64 >= least)
+            .filter_map(|of_feed| upper_median(of_feed))
+            .collect()
     }
 }
 

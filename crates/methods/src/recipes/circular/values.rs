@@ -259,6 +259,16 @@ fn ranking(fit: &Fitted<'_>) -> FoundTable {
     }
 }
 
+/// The feeds of the trace in words.
+fn feed(trace: &Trace) -> String {
+    let feeds: Vec<String> =
+        trace.feeds_mm_per_s().iter().map(|feed| format!("{:.0}", 60.0 * feed)).collect();
+    match feeds.is_empty() {
+        true => "feed unknown".into(),
+        false => format!("feed {} mm/min", feeds.join(", ")),
+    }
+}
+
 fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String> {
     let mut notes = vec![
         "All errors of the list are fitted together to both ways; circularities of errors do not add up to that of the trace. A share is part of the sum of all of them and of \
@@ -268,6 +278,8 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
     ];
     for fit in fits {
         let plane = &fit.trace.name;
+        // What ISO 230-4 wants stated with the values; a wrong unit of time or feed is seen here.
+        notes.push(format!("{plane}: radius {:.1} mm, {}.", fit.trace.radius_mm, feed(&fit.trace)));
         notes.push(format!(
             "{plane}: values hold for the guides within the circle, ±{:.0} mm. A guide that is S-shaped leans differently over a longer travel.",
             fit.trace.radius_mm
@@ -301,7 +313,7 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
         }
         if let Some(arc) = fit.trace.arc_rad {
             notes.push(format!(
-                "{plane} covers {:.0}° of 360°: its circular deviations are those of the arc, and errors that only a whole circle separates                  read as each other. Spikes at the ends of the arc are where a pass begins and ends. Run whole circles.",
+                "{plane} covers {:.0}° of 360°: its circular deviations are those of the arc, and errors that only a whole circle separates read as each other. Spikes at the ends of the arc are where a pass begins and ends. Run whole circles.",
                 arc.to_degrees()
             ));
         }
@@ -315,6 +327,10 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
                         changed.";
         match fit.trace.speed {
             Speed::Run => {}
+            Speed::Times if fit.trace.on_the_fly => notes.push(format!(
+                "{plane}: the rows are too far apart in time for speeds at a row, so the speed is that from row to row. Servo mismatch and reversals are better \
+                 known with ten rows a second or more."
+            )),
             Speed::Times => notes.push(format!(
                 "{plane}: the speed is that of the rows by time_s, because the run was imported as static. If the axes stopped for each reading, servo mismatch means \
                  nothing. If they moved, import with --kind on-the-fly."
