@@ -123,8 +123,8 @@ fn too_fast(run: &Run) -> Option<Implausible> {
     if run.kind != RunKind::Static || run.points.iter().any(|point| point.samples > 1) {
         return None;
     }
-    let (usual_s, times) = usual_step(run, FASTEST_RAD_PER_S, FASTEST_MM_PER_S)?;
-    (times > 1.0).then(|| {
+    let Pace { usual_s, usual, .. } = Pace::of(run, FASTEST_RAD_PER_S, FASTEST_MM_PER_S)?;
+    (usual > 1.0).then(|| {
         let off_usual = |(_, factor): &&(&str, f64)| (usual_s * factor / USUAL_S).ln().abs();
         let (unit, factor) =
             UNITS.iter().min_by(|a, b| off_usual(a).total_cmp(&off_usual(b))).unwrap_or(&UNITS[0]);
@@ -145,8 +145,8 @@ fn too_slow(run: &Run) -> Option<Implausible> {
     if run.kind != RunKind::OnTheFly {
         return None;
     }
-    let (usual_s, times) = usual_step(run, SLOWEST_RAD_PER_S, SLOWEST_MM_PER_S)?;
-    (times < 1.0).then(|| {
+    let Pace { usual_s, fastest, .. } = Pace::of(run, SLOWEST_RAD_PER_S, SLOWEST_MM_PER_S)?;
+    (fastest < 1.0).then(|| {
         plain(
             format!(
                 "{}: on the fly its rows are {usual_s:.1} s apart, and no axis moves faster than 5 mm/min or 5°/min.",
@@ -157,27 +157,40 @@ fn too_slow(run: &Run) -> Option<Implausible> {
     })
 }
 
-/// Usual time between two rows at which an axis moved, s, and the usual speed of the axis that is the fastest there, as a share of these.
-fn usual_step(run: &Run, rad_per_s: f64, mm_per_s: f64) -> Option<(f64, f64)> {
-    let joints = run.machine.joints();
-    let share = |from: &Point, to: &Point| {
-        let step_s = to.state.time_s? - from.state.time_s?;
-        let of_joint = |joint: &Joint| {
-            let moved = to.state.position[*joint] - from.state.position[*joint];
-            match joint.is_rotary() {
-                true => (moved - (moved / TAU).round() * TAU).abs() / rad_per_s,
-                false => moved.abs() / mm_per_s,
-            }
+/// How the rows of a run follow each other.
+struct Pace {
+    /// Usual time between two rows at which an axis moved, s.
+    usual_s: f64,
+    /// Usual speed of the axis that is the fastest there, as a share of what was asked about.
+    usual: f64,
+    /// The greatest of these.
+    fastest: f64,
+}
+
+impl Pace {
+    /// Speeds as shares of these; `None` of few rows.
+    fn of(run: &Run, rad_per_s: f64, mm_per_s: f64) -> Option<Self> {
+        let joints = run.machine.joints();
+        let share = |from: &Point, to: &Point| {
+            let step_s = to.state.time_s? - from.state.time_s?;
+            let of_joint = |joint: &Joint| {
+                let moved = to.state.position[*joint] - from.state.position[*joint];
+                match joint.is_rotary() {
+                    true => (moved - (moved / TAU).round() * TAU).abs() / rad_per_s,
+                    false => moved.abs() / mm_per_s,
+                }
+            };
+            let least_s = joints.iter().map(of_joint).fold(0.0, f64::max);
+            (step_s > 0.0 && least_s > 0.0).then_some((step_s, least_s / step_s))
         };
-        let least_s = joints.iter().map(of_joint).fold(0.0, f64::max);
-        (step_s > 0.0 && least_s > 0.0).then_some((step_s, least_s / step_s))
-    };
-    let steps: Vec<(f64, f64)> = run.points.windows(2).filter_map(|pair| share(&pair[0], &pair[1])).collect();
-    if steps.len() < FEWEST_TIMES {
-        return None;
+        let (steps_s, shares): (Vec<f64>, Vec<f64>) =
+            run.points.windows(2).filter_map(|pair| share(&pair[0], &pair[1])).unzip();
+        if steps_s.len() < FEWEST_TIMES {
+            return None;
+        }
+        let fastest = shares.iter().fold(0.0, |a: f64, b| a.max(*b));
+        Some(Self { usual_s: statistics::median(&steps_s)?, usual: statistics::median(&shares)?, fastest })
     }
-    let usual = |of: fn(&(f64, f64)) -> f64| statistics::median(&steps.iter().map(of).collect::<Vec<_>>());
-    Some((usual(|step| step.0)?, usual(|step| step.1)?))
 }
 
 /// Two axes whose directions stand in each other's columns: as they are, many steps of both go against them; exchanged, hardly any does.

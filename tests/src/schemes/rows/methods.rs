@@ -1,6 +1,7 @@
 //! Named methods of the literature: of each the numbers that have an uncertainty and an injected value.
 
 use super::row::{LOCATIONS, PLAIN, Row};
+use std::f64::consts::TAU;
 
 /// Of C at B = 0, what carries it included.
 const OF_C: &[&str] = &["EX0C", "EY0C", "EA0C", "EB0C"];
@@ -200,13 +201,13 @@ pub const ROWS: &[Row] = &[
             "EB0C part with speed",
             "ball-setting.low.y part with speed",
         ],
-        // 20 µs at 7200 °/min on a radius of 150 mm.
+        // 20 µs on a radius of 150 mm at 7200 °/min, a third of a turn a second.
         also: &[
             ("EX0C quasi-static part", 8.0),
             ("EY0C quasi-static part", -5.0),
             ("EA0C quasi-static part", -16.0),
             ("EB0C quasi-static part", 19.0),
-            ("ball-setting.low.y part with speed", -6.283),
+            ("ball-setting.low.y part with speed", -150e3 * 20e-6 * TAU / 3.0),
         ],
         cannot: "quasi-static part of a setting (it is the mounting)",
         ..PLAIN
