@@ -279,7 +279,7 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
     for fit in fits {
         let plane = &fit.trace.name;
         // What ISO 230-4 wants stated with the values; a wrong unit of time or feed is seen here.
-        notes.push(format!("{plane}: radius {:.1} mm, {}.", fit.trace.radius_mm, feed(&fit.trace)));
+        notes.push(format!("{plane}: radius {:.1} mm, {}.", fit.trace.radius_mm, feed(fit.trace)));
         notes.push(format!(
             "{plane}: values hold for the guides within the circle, ±{:.0} mm. A guide that is S-shaped leans differently over a longer travel.",
             fit.trace.radius_mm
