@@ -27,20 +27,21 @@ impl Experiment {
     /// # Errors
     /// A model that does not suit machine or runs, or a fit that does not converge.
     pub fn fit(&self, model: &Model) -> Result<Fit, Error> {
-        let fitted = Problem::known(self.points(), model.entries(), self);
-        let fitted = match fitted {
-            Ok(fitted) => fitted.into_fit(),
-            Err(error @ IdentifyError::UnknownEffect(_)) => {
-                model.suits(self.machine())?;
-                return Err(error.into());
-            }
-            Err(error) => return Err(self.with_doubt(error)),
-        };
-        Ok(Fit::of(self, model.clone(), fitted))
+        self.fit_as(model.clone(), model)
     }
 
-    /// A fit that does not converge says what is wrong with the runs, where that is known.
-    fn with_doubt(&self, error: IdentifyError) -> Error {
+    /// Fits a model whose entries stand in the file of another.
+    fn fit_as(&self, model: Model, in_file: &Model) -> Result<Fit, Error> {
+        let fitted = Problem::known(self.points(), model.entries(), self);
+        let fitted = fitted.map_err(|error| self.with_doubt(error, in_file))?.into_fit();
+        Ok(Fit::of(self, model, fitted))
+    }
+
+    /// A model that cannot be placed says where in its file, and a fit that does not converge what is wrong with the runs, where that is known.
+    fn with_doubt(&self, error: IdentifyError, in_file: &Model) -> Error {
+        if let Err(problems) = in_file.suits(self.machine()) {
+            return problems;
+        }
         let implausible = match error {
             IdentifyError::NotConverged { .. } => self.plausibility(),
             _ => Vec::new(),
@@ -56,11 +57,7 @@ impl Experiment {
     /// # Errors
     /// As [`Experiment::fit`].
     pub fn fit_within_reach(&self, model: &Model) -> Result<Fit, Error> {
-        let fitted = self.fit(&self.within_reach(model).into());
-        fitted.or_else(|error| {
-            model.suits(self.machine())?;
-            Err(error)
-        })
+        self.fit_as(self.within_reach(model).into(), model)
     }
 
     /// The effects of the model that these runs can show, and those that every model has.

@@ -9,7 +9,7 @@ use trunnion_effects::{LadderRow, ModelEffect, Removal};
 use trunnion_machine::Machine;
 use trunnion_results as results;
 
-/// Name in problems of a model that is no file, or no more.
+/// Name of a model without a file in problems of its text.
 const EDITED: &str = "model";
 
 /// The effects that explain a machine, in the order they were added (`trunnion-model/1`).
@@ -17,8 +17,8 @@ const EDITED: &str = "model";
 pub struct Model {
     entries: effects::Model,
     text: String,
-    /// Its name in problems; [`EDITED`] where its entries are not those of the file.
-    pub(crate) file: String,
+    /// The file that its entries stand in, for problems; `None` where they stand in none.
+    file: Option<String>,
 }
 
 impl Model {
@@ -49,7 +49,7 @@ impl Model {
     /// # Errors
     /// Every problem of the text.
     pub fn parse(file: &str, text: String) -> Result<Self, Error> {
-        Ok(Self { entries: effects::Model::parse(file, &text)?, text, file: file.into() })
+        Ok(Self { entries: effects::Model::parse(file, &text)?, text, file: Some(file.into()) })
     }
 
     /// Writes the model file whole or not at all; comments of the file it was read from stay.
@@ -95,9 +95,9 @@ impl Model {
 
     /// Refuses entries of a file that the machine cannot have, each with its line.
     pub(crate) fn suits(&self, machine: &Machine) -> Result<(), Error> {
-        match self.file == EDITED {
-            true => Ok(()),
-            false => Ok(effects::Model::check(&self.file, &self.text, machine)?),
+        match &self.file {
+            None => Ok(()),
+            Some(file) => Ok(effects::Model::check(file, &self.text, machine)?),
         }
     }
 
@@ -113,28 +113,38 @@ impl Model {
         }
     }
 
+    /// Of an edited text, which is read again so that the model always is what its file will hold.
+    fn edited(text: String) -> Result<Self, Error> {
+        Ok(Self { file: None, ..Self::parse(EDITED, text)? })
+    }
+
+    /// Of a text with the same entries: they stand where they stood.
+    pub(crate) fn with_same_entries(&self, text: String) -> Result<Self, Error> {
+        Ok(Self { file: self.file.clone(), ..Self::edited(text)? })
+    }
+
     /// With more entries at the end.
     pub(crate) fn with(&self, entries: &[ModelEffect]) -> Result<Self, Error> {
         let text =
             entries.iter().try_fold(self.text.clone(), |text, entry| effects::Model::append(&text, entry))?;
-        Self::parse(EDITED, text)
+        Self::edited(text)
     }
 
     /// With another ladder row of the entry `id`.
     pub(crate) fn with_ladder_row(&self, id: &str, row: &LadderRow) -> Result<Self, Error> {
-        Self::parse(&self.file, effects::Model::with_ladder_row(&self.text, id, row)?)
+        self.with_same_entries(effects::Model::with_ladder_row(&self.text, id, row)?)
     }
 
     /// Without these entries, and with who took them out and when.
     pub(crate) fn without(&self, ids: &[&str], removal: &Removal) -> Result<Self, Error> {
         let text = ids.iter().try_fold(self.text.clone(), |text, id| effects::Model::without(&text, id))?;
-        Self::parse(EDITED, effects::Model::with_removal(&text, removal)?)
+        Self::edited(effects::Model::with_removal(&text, removal)?)
     }
 }
 
 impl From<effects::Model> for Model {
     fn from(entries: effects::Model) -> Self {
         let text = entries.to_text();
-        Self { entries, text, file: EDITED.into() }
+        Self { entries, text, file: None }
     }
 }

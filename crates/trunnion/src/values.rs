@@ -105,7 +105,7 @@ impl Model {
     /// # Errors
     /// None that a model written by this program can have.
     pub fn with_values(&self, values: &FittedValues) -> Result<Self, crate::Error> {
-        Self::parse(&self.file, effects::Model::with_values(self.text(), values)?)
+        self.with_same_entries(effects::Model::with_values(self.text(), values)?)
     }
 }
 

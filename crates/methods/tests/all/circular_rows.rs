@@ -17,6 +17,7 @@ use trunnion_methods::{Findings, recipes};
 const UM: f64 = 1e-3;
 const R_MM: f64 = 150.0;
 const FEED_MM_PER_S: f64 = 1000.0 / 60.0;
+const ROW_S: f64 = 0.05;
 const DECAY_MM: f64 = 2.5;
 
 /// What a machine does wrong, of X and Y, and how its circle was read. µm, µrad, µm/m, ms, degrees.
@@ -32,7 +33,7 @@ struct Bench {
     start: f64,
     ways: &'static [f64],
     decimals: i32,
-    /// Degrees from row to row; a row every 0.05 s without.
+    /// Degrees from row to row; a row every [`ROW_S`] without.
     step: Option<f64>,
     seed: u64,
 }
@@ -78,7 +79,7 @@ impl Bench {
             .unwrap_or_else(|problems| panic!("{problems}"));
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         let mut noise = || -> f64 { StandardNormal.sample(&mut rng) };
-        let step = self.step.map_or(FEED_MM_PER_S / R_MM * 0.05, f64::to_radians);
+        let step = self.step.map_or(FEED_MM_PER_S / R_MM * ROW_S, f64::to_radians);
         let row_s = step * R_MM / FEED_MM_PER_S;
         let count = (TAU / step) as usize;
         let round = |mm: f64| (mm * 10f64.powi(self.decimals)).round() / 10f64.powi(self.decimals);
@@ -202,7 +203,7 @@ fn a_row_at_the_end_of_a_diameter_is_in_no_fit() {
             let bench = Bench { backlash: [-8.0, -6.0], start, step: Some(step), decimals, seed, ..PERFECT };
             let found = bench.circular();
             let left_mm = found.value("XY unexplained circularity").unwrap().value;
-            assert!(left_mm < 10.0 * 0.1 * UM, "start {start}°, step {step}°: {left_mm} mm");
+            assert!(left_mm < 10.0 * bench.noise * UM, "start {start}°, step {step}°: {left_mm} mm");
             assert!(
                 found.notes.iter().any(|note| note == "XY: radius 150.0 mm, feed 1000 mm/min."),
                 "{:?}",

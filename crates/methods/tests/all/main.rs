@@ -7,6 +7,7 @@ mod axis_errors;
 mod ball_bar;
 mod certification;
 mod circular;
+mod circular_guides;
 mod circular_rows;
 mod circular_zeros;
 #[allow(dead_code, reason = "the tests of this crate use a part")]

@@ -47,7 +47,7 @@ fn alarm_line(history: &MachineHistory) -> String {
     let set_by = newest().filter(|point| point.has_wide_limits()).map(|point| point.set_by).min();
     match (last.alarms.as_slice(), set_by) {
         ([], Some(few)) => format!(
-            "{}: every value is within its control limits, which are wide yet: {few} runs set them",
+            "{}: every value is within its control limits, which are still wide: {few} runs set them",
             last.run
         ),
         ([], None) if has_limits => format!("{}: every value is within its control limits", last.run),
@@ -187,7 +187,7 @@ mod tests {
         let few = said(2);
         assert!(
             few.starts_with(
-                "friday: every value is within its control limits, which are wide yet: 2 runs set them\n"
+                "friday: every value is within its control limits, which are still wide: 2 runs set them\n"
             ),
             "{few}"
         );

@@ -1,18 +1,15 @@
 //! Named methods of the literature: of each the numbers that have an uncertainty and an injected value.
 
-use super::row::{LOCATIONS, PLAIN, Row};
+use super::row::{LOCATIONS, OF_B, OF_C, PLAIN, Row};
 use std::f64::consts::TAU;
 
-/// Of C at B = 0, what carries it included.
-const OF_C: &[&str] = &["EX0C", "EY0C", "EA0C", "EB0C"];
-const OF_B: &[&str] = &["EX0B", "EZ0B", "EA0B", "EC0B"];
 /// EX0C + EX0B, EA0C + EA0B and EB0B of the truths of a table B-C.
 const C_WITH_B: &[(&str, f64)] = &[("EX0C", -4.0), ("EY0C", 9.0), ("EA0C", 65.0), ("EB0C", -30.0)];
 
 /// Location errors of C and the ranges of its error motions.
 const OF_C_AND_MOTIONS: &[&str] =
     &["EX0C", "EY0C", "EA0C", "EB0C", "EXC range", "EYC range", "EZC range", "EAC range", "EBC range"];
-const RANGES: &[&str] = &["EXC range", "EYC range", "EZC range", "EAC range", "EBC range"];
+const RANGES: &[&str] = OF_C_AND_MOTIONS.split_at(OF_C.len()).1;
 /// The same by the truth `table-bc-motions`: a wave of amplitude A ranges over 2 A.
 const C_WITH_B_AND_MOTIONS: &[(&str, f64)] = &[
     ("EX0C", -4.0),
@@ -49,31 +46,20 @@ const WAVE_NAMES: [&str; 10] = {
     names
 };
 
+const TWO_HEIGHTS: Row = Row {
+    source: "S0 eq. 1–3",
+    truth: "table-bc-motions",
+    method: Some("two-height"),
+    identifies: OF_C_AND_MOTIONS,
+    sizes: RANGES,
+    also: C_WITH_B_AND_MOTIONS,
+    cannot: "positioning error of C; error motions once a turn; errors of B by themselves",
+    ..PLAIN
+};
+
 pub const ROWS: &[Row] = &[
-    Row {
-        scheme: "Two heights, C on the fly (method two-height)",
-        source: "S0 eq. 1–3",
-        cycle: "two-height-c",
-        truth: "table-bc-motions",
-        method: Some("two-height"),
-        identifies: OF_C_AND_MOTIONS,
-        sizes: RANGES,
-        also: C_WITH_B_AND_MOTIONS,
-        cannot: "positioning error of C; error motions once a turn; errors of B by themselves",
-        ..PLAIN
-    },
-    Row {
-        scheme: "Two heights, C at rest (method two-height)",
-        source: "S0 eq. 1–3",
-        cycle: "two-height-c-static",
-        truth: "table-bc-motions",
-        method: Some("two-height"),
-        identifies: OF_C_AND_MOTIONS,
-        sizes: RANGES,
-        also: C_WITH_B_AND_MOTIONS,
-        cannot: "positioning error of C; error motions once a turn; errors of B by themselves",
-        ..PLAIN
-    },
+    Row { scheme: "Two heights, C on the fly (method two-height)", cycle: "two-height-c", ..TWO_HEIGHTS },
+    Row { scheme: "Two heights, C at rest (method two-height)", cycle: "two-height-c-static", ..TWO_HEIGHTS },
     Row {
         scheme: "Two places along B, on the fly (method two-height)",
         source: "S0 eq. 1–3",

@@ -1,6 +1,6 @@
 //! Schemes of rotary axes.
 
-use super::row::{LOCATIONS, PLAIN, Row};
+use super::row::{LOCATIONS, OF_B, OF_C, PLAIN, Row};
 
 pub const ROWS: &[Row] = &[
     Row {
@@ -44,7 +44,7 @@ pub const ROWS: &[Row] = &[
         source: "S4",
         cycle: "s4-c",
         truth: "table-bc-y",
-        identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
+        identifies: OF_C,
         cannot: "B (stationary); heights of the balls",
         ..PLAIN
     },
@@ -53,7 +53,7 @@ pub const ROWS: &[Row] = &[
         source: "S4",
         cycle: "s4-b",
         truth: "table-bc-y",
-        identifies: &["EX0B", "EZ0B", "EA0B", "EC0B"],
+        identifies: OF_B,
         cannot: "C (stationary); EY0B against the setting",
         ..PLAIN
     },
@@ -62,7 +62,7 @@ pub const ROWS: &[Row] = &[
         source: "ISO 10791-6; S2 §4.1",
         cycle: "bk1-b",
         truth: "table-bc",
-        identifies: &["EX0B", "EZ0B", "EA0B", "EC0B"],
+        identifies: OF_B,
         cannot: "C (stationary); length of the bar against the setting",
         ..PLAIN
     },
@@ -71,7 +71,7 @@ pub const ROWS: &[Row] = &[
         source: "ISO 10791-6; S4 C-XY",
         cycle: "bk2-c",
         truth: "table-bc",
-        identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
+        identifies: OF_C,
         cannot: "B (stationary); length of the bar against the setting",
         ..PLAIN
     },
@@ -89,7 +89,7 @@ pub const ROWS: &[Row] = &[
         source: "ISO 10791-6",
         cycle: "bk2-c-of-ac",
         truth: "table-ac",
-        identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
+        identifies: OF_C,
         cannot: "A (stationary); length of the bar against the setting",
         ..PLAIN
     },
@@ -188,7 +188,7 @@ pub const ROWS: &[Row] = &[
         source: "S2 §4.2",
         cycle: "r-test-sweep-c",
         truth: "table-bc",
-        identifies: &["EX0C", "EY0C", "EA0C", "EB0C"],
+        identifies: OF_C,
         cannot: "B (stationary)",
         ..PLAIN
     },
@@ -197,7 +197,7 @@ pub const ROWS: &[Row] = &[
         source: "S2 §4.2",
         cycle: "r-test-sweep-b",
         truth: "table-bc",
-        identifies: &["EX0B", "EZ0B", "EA0B", "EC0B"],
+        identifies: OF_B,
         cannot: "C (stationary)",
         ..PLAIN
     },

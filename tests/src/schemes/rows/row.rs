@@ -26,6 +26,9 @@ pub struct Row {
 
 /// Location errors of a table B-C.
 pub const LOCATIONS: &[&str] = &["EX0B", "EZ0B", "EA0B", "EB0B", "EC0B", "EX0C", "EY0C", "EA0C"];
+/// Those of B, and of C, as one axis alone shows them.
+pub const OF_B: &[&str] = &["EX0B", "EZ0B", "EA0B", "EC0B"];
+pub const OF_C: &[&str] = &["EX0C", "EY0C", "EA0C", "EB0C"];
 /// Squarenesses.
 pub const SQUARE: &[&str] = &["EC0Y", "EB0Z", "EA0Z"];
 /// Squarenesses and scales.
