@@ -14,7 +14,7 @@ from playwright.sync_api import sync_playwright
 from checks import check
 from on_page.at_the_machine import at_the_machine
 from on_page.by_token import by_token
-from on_page.demo import demo_by_keyboard
+from on_page.demo import demo_by_keyboard_and_by_mouse
 from on_page.history import alarmed, history
 from on_page.load import under_load
 from on_page.many_poses import many_poses
@@ -28,7 +28,7 @@ with sync_playwright() as playwright:
     chromium = playwright.chromium.launch(executable_path="/usr/bin/chromium", args=FLAGS)
     # Those of one line share a folder: the second and third show the recording of the first.
     parts = [
-        [story_of_one_run, every_width, history], [methods_on_a_screen], [many_poses], [by_token], [alarmed], [under_load], [demo_by_keyboard], [at_the_machine],
+        [story_of_one_run, every_width, history], [methods_on_a_screen], [many_poses], [by_token], [alarmed], [under_load], [demo_by_keyboard_and_by_mouse], [at_the_machine],
     ]
     chosen = [part for part in parts if os.environ.get("PAGE_PART", part[0].__name__) == part[0].__name__]
     check("there is such a part", chosen, [part[0].__name__ for part in parts])

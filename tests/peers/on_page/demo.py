@@ -1,4 +1,4 @@
-"""The demo by keyboard alone."""
+"""The demo by keyboard alone, and by mouse alone."""
 
 import signal
 import subprocess
@@ -8,8 +8,8 @@ from checks import TRUNNION, check
 from on_page.tab import Tab, rms_um
 
 
-def demo_by_keyboard(browser, folder):
-    """The demo: it measures, the person looks, asks, adds, sees the error fall; the mouse is not touched."""
+def demo_by_keyboard_and_by_mouse(browser, folder):
+    """The demo: it measures, the person looks, asks, adds, sees the error fall; the mouse is not touched. Then another does it without the keyboard."""
     arguments = [TRUNNION, "demo", "--page", "--static-only", "--hidden", "gravity-sag:B", "--output", str(folder)]
     demo = subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True)
     began = time.monotonic()
@@ -22,6 +22,7 @@ def demo_by_keyboard(browser, folder):
         tab.until("document.getElementById('cycle-state').innerText === 'Measuring'")
         tab.until("document.querySelector('#view progress').value > 20")
         tab.picture("demo-measure")
+        tab.accessible("the demo while it measures")
         # What the terminal does at its end is done: from here on nobody but the person changes the model.
         printed = []
         for line in demo.stdout:
@@ -44,6 +45,8 @@ def demo_by_keyboard(browser, folder):
         after = rms_um(tab.text(".facts dd"))
         check("by keyboard alone the error falls", after < before, f"{before} to {after} µm, {time.monotonic() - began:.0f} s after the start")
         check("the person added it", 'by = "Ada"' in model.read_text(), model.read_text()[-200:])
+        tab.accessible("the demo after the addition")
+        by_mouse(tab.context.new_page(), address, tab, before, after)
         tab.close()
         demo.send_signal(signal.SIGINT)
         ended = demo.stdout.read()
@@ -51,6 +54,22 @@ def demo_by_keyboard(browser, folder):
     finally:
         demo.send_signal(signal.SIGINT)
         demo.wait()
+
+
+def by_mouse(page, address, other, before, after):
+    """A second window of the same person: their name is known, so that a mouse suffices."""
+    page.goto(f"{address}/#measure")
+    page.click('nav [data-view="result"]')
+    page.click('[data-remove="gravity-sag:B"]')
+    page.wait_for_selector('[data-add="gravity-sag:B"]')
+    rose = rms_um(page.locator(".facts dd").first.inner_text())
+    check("by mouse alone the effect is removed, and the error is what it was", rose == before, (before, rose))
+    page.click('[data-add="gravity-sag:B"]')
+    page.wait_for_selector('[data-remove="gravity-sag:B"]')
+    fell = rms_um(page.locator(".facts dd").first.inner_text())
+    check("by mouse alone the error falls again", fell == after, (after, fell))
+    other.page.wait_for_selector('[data-remove="gravity-sag:B"]')
+    page.close()
 
 
 def press_until(tab, holds, most=80):

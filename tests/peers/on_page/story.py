@@ -5,7 +5,7 @@ import pathlib
 import re
 
 from checks import check, trunnion
-from on_page.tab import DATA, Served, Tab, rms_um
+from on_page.tab import DATA, Served, Tab, accessible, rms_um
 from on_page.what_if import together, what_if
 
 
@@ -76,6 +76,10 @@ def report_to_be_filed(tab, run, model):
     check("the report is filed next to the recording", str(filed) in said and filed.exists(), said)
     same = run.with_name("by-the-command.html")
     trunnion("report", run, "--model", model, "--operator", "Ada", "--language", "de", "-o", same)
+    paper = tab.context.new_page()
+    paper.goto(same.as_uri())
+    accessible(paper, "the report")
+    paper.close()
     check("it is the report of the command, byte for byte", filed.read_bytes() == same.read_bytes(), filed.stat().st_size)
     with tab.page.expect_download() as page:
         tab.page.get_by_role("link", name="Download the page").click()
@@ -95,3 +99,6 @@ def sources_are_names(tab, address):
     for path in ["", "/report", "/trial/backlash:C", "/methods", *(f"/method/{name}" for name in methods)]:
         shown = re.findall(r"\bS[0-4]\b.{0,30}|docs/design/.{0,30}", ask(path))
         check(f"gravity{path}: sources are author, year, title", not shown, shown[:3])
+    for name in methods:
+        tab.page.goto(f"{address}/api/runs/gravity/method/{name}")
+        tab.accessible(f"the page of {name}")

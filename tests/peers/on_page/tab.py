@@ -7,6 +7,7 @@ import subprocess
 import time
 
 import pymupdf
+from axe_playwright_python.sync_playwright import Axe
 
 from checks import TRUNNION, check
 
@@ -112,6 +113,9 @@ class Tab:
     def text(self, selector):
         return self.page.locator(selector).first.inner_text()
 
+    def accessible(self, where):
+        accessible(self.page, where)
+
     def picture(self, name):
         if SHOTS:
             self.page.screenshot(path=f"{SHOTS}/{name}.png", full_page=True)
@@ -129,6 +133,13 @@ class Tab:
     def close(self):
         check("no error on the console", not self.errors, self.errors)
         self.context.close()
+
+
+def accessible(page, where):
+    """axe is a well-kept tool; what it calls serious or critical keeps somebody from using the page."""
+    found = Axe().run(page).response["violations"]
+    grave = [(one["id"], one["nodes"][0]["html"][:120]) for one in found if one["impact"] in ("serious", "critical")]
+    check(f"{where}: axe finds nothing serious", not grave, grave)
 
 
 def rms_um(text):
