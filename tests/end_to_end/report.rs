@@ -180,6 +180,11 @@ fn a_certificate_needs_a_country_and_a_day() {
     let dcc = file("dcc.xml");
     let (done, _, error) = output(&["report", &run, "--dcc", &dcc]);
     assert!(!done && error.contains("--country"), "{error}");
+    assert!(!folder.path().join("run.report.html").exists(), "refused before anything is fitted or written");
+    for no_country in ["XK", "QM", "ZZ", "de"] {
+        let (done, _, error) = output(&["report", &run, "--dcc", &dcc, "--country", no_country]);
+        assert!(!done && error.contains("such as DE or JP"), "{no_country}: {error}");
+    }
     let (done, _, error) = output(&["report", &run, "--dcc", &dcc, "--country", "JP"]);
     assert!(!done && error.contains("--measured"), "{error}");
     let (done, _, error) = output(&["report", &run, "--dcc", &dcc, "--measured", "2026-02-30"]);

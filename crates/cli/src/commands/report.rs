@@ -44,7 +44,7 @@ pub struct Args {
     #[arg(long, value_name = "UM", value_parser = tolerance)]
     tolerance_um: Option<f64>,
     /// Digital calibration certificate to write (DCC 3.3.0, XML)
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", requires = "country")]
     dcc: Option<PathBuf>,
     #[command(flatten)]
     issuer: IssuerArgs,
@@ -70,9 +70,15 @@ struct IssuerArgs {
     measured: Option<String>,
 }
 
+/// A code that ISO 3166-1 leaves to users (§8.1.3: AA, QM to QZ, XA to XZ, ZZ) is no country, and readers of certificates refuse it.
 fn country(text: &str) -> Result<String, String> {
-    let is_code = text.len() == 2 && text.bytes().all(|byte| byte.is_ascii_uppercase());
-    if is_code { Ok(text.into()) } else { Err("allowed: two capital letters, such as DE or JP".into()) }
+    match text.as_bytes() {
+        b"AA" | b"ZZ" | [b'Q', b'M'..=b'Z'] | [b'X', b'A'..=b'Z'] => {
+            Err("ISO 3166-1 gives this code to no country; allowed: two capital letters, such as DE or JP".into())
+        }
+        [b'A'..=b'Z', b'A'..=b'Z'] => Ok(text.into()),
+        _ => Err("allowed: two capital letters, such as DE or JP".into()),
+    }
 }
 
 fn day(text: &str) -> Result<String, String> {

@@ -10,6 +10,11 @@ pub fn in_germany() -> Issuer {
     Issuer { country: Some("DE".into()), ..Issuer::default() }
 }
 
+/// Of a run whose day was not recorded.
+pub fn measured_on(day: &str) -> Issuer {
+    Issuer { measured: Some(day.into()), ..in_germany() }
+}
+
 #[test]
 fn a_certificate_holds_the_numbers_of_the_fit_and_its_decision() {
     let report = report();
@@ -33,8 +38,7 @@ fn a_certificate_without_a_country_or_a_day_of_each_run_is_refused() {
     assert_eq!(dcc_xml(&report, &Issuer::default()), Err(DccError::NoCountry));
     report.identity.runs.push(RunIdentity { day: None, ..report.identity.runs[0].clone() });
     assert_eq!(dcc_xml(&report, &in_germany()), Err(DccError::NoDay));
-    let measured = Issuer { measured: Some("2026-02-20".into()), ..in_germany() };
-    let xml = dcc_xml(&report, &measured).unwrap();
+    let xml = dcc_xml(&report, &measured_on("2026-02-20")).unwrap();
     assert!(xml.contains("<dcc:beginPerformanceDate>2026-02-20<"), "{xml}");
     assert!(xml.contains("<dcc:endPerformanceDate>2026-03-01<"), "{xml}");
 }

@@ -1,9 +1,9 @@
 //! The report to be filed: complete, in three languages, and as a certificate.
 
-use crate::certificate::in_germany;
+use crate::certificate::{in_germany, measured_on};
 use crate::pages::{check_page, fitted, model};
 use quick_xml::events::Event;
-use trunnion_report::{Issuer, Language, compare_html, dcc_xml, report_html, report_text};
+use trunnion_report::{Language, compare_html, dcc_xml, report_html, report_text};
 use trunnion_results::{
     Candidate, Comparison, Conformity, Decision, Diagnosis, Doubt, DoubtReason, ExcludedPoints, Identity,
     Judged, Ladder, LeftOutEffect, Parameter, Report, RunIdentity, TemperatureRange, Verdict,
@@ -316,8 +316,7 @@ fn what_nobody_recorded_is_said_and_not_invented() {
     let page = report_html(&unknown, Language::English);
     assert!(page.matches("not recorded").count() >= 7, "{}", page.matches("not recorded").count());
     assert!(page.contains("neither the machine file nor the command gives a tolerance"));
-    let measured = Issuer { measured: Some("2026-03-01".into()), ..in_germany() };
-    let xml = dcc_xml(&unknown, &measured).unwrap();
+    let xml = dcc_xml(&unknown, &measured_on("2026-03-01")).unwrap();
     assert!(xml.contains("<dcc:beginPerformanceDate>2026-03-01<"), "{xml}");
     assert!(xml.contains("not recorded"), "{xml}");
 }
