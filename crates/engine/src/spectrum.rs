@@ -12,6 +12,7 @@ pub(crate) mod left;
 mod moments;
 pub(crate) mod shapes;
 mod sources;
+mod transform;
 pub(crate) mod wave;
 mod words;
 

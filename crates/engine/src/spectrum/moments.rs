@@ -1,12 +1,16 @@
 //! Inner products of waves with a model, for many frequencies at once.
 //!
 //! Rows at one position of the axis wave alike, so their products are summed once; a frequency then costs a cosine and a
-//! sine for each position instead of a product of the size of the readings.
+//! sine for each position instead of a product of the size of the readings. Many frequencies cost hardly more than their logarithm:
+//! positions that do not come back (a circle, several laps of it) have as many as there are rows.
 
-use nalgebra::{DMatrix, DVector};
+use super::transform::Transform;
+use nalgebra::{Complex, DMatrix, DVector};
 
-/// Frequencies that are taken together: enough for the matrix product to be efficient, few enough to fit a cache.
-const BLOCK: usize = 64;
+/// Up to as many frequencies are a matrix product of all positions: a transform spreads each position over a quarter as many nodes.
+const FEW: usize = 64;
+/// Frequencies that are transformed together: as much work for the grid as for the positions of a spectrum, and they fit a cache.
+const BLOCK: usize = 4096;
 
 /// Sums over the rows at each position, for every carrier k.
 #[derive(Clone, Debug)]
@@ -73,31 +77,65 @@ impl Moments {
 
     /// At `count` frequencies from `low` on, `step` apart.
     pub fn at_steps(&self, low: f64, step: f64, count: usize) -> impl Iterator<Item = Inner> {
-        let of_step: Vec<(f64, f64)> = self.positions.iter().map(|q| (step * q).sin_cos()).collect();
-        (0..count)
-            .step_by(BLOCK)
-            .flat_map(move |from| self.block(low + step * from as f64, BLOCK.min(count - from), &of_step))
+        let size = if count <= FEW { count } else { count.div_ceil(count.div_ceil(BLOCK)) };
+        let fast =
+            (count > FEW).then(|| [step, 2.0 * step].map(|step| Transform::new(&self.positions, step, size)));
+        (0..count).step_by(size.max(1)).flat_map(move |from| {
+            let low = low + step * from as f64;
+            let (products, pairs) = match &fast {
+                Some(fast) => self.transformed(low, step, fast),
+                None => self.multiplied(low, step, size),
+            };
+            let inner = move |f: usize| self.inner(&products, &pairs, f, size);
+            (0..size.min(count - from)).map(inner)
+        })
     }
 
-    /// `of_step`: sine and cosine of a step at each position. A wave is the one before it, turned by a step: a sine for each position and
-    /// frequency would take half of the time, and sixty-four turns cost sixty-four roundings.
-    fn block(&self, low: f64, count: usize, of_step: &[(f64, f64)]) -> Vec<Inner> {
+    /// Columns: cosines of all frequencies, then sines; of the pairs cos², cos·sin and sin².
+    fn multiplied(&self, low: f64, step: f64, count: usize) -> (DMatrix<f64>, DMatrix<f64>) {
         let places = self.positions.len();
-        // Columns: cosines of all frequencies, then sines; then cos², cos·sin and sin² for the pairs.
         let (mut waves, mut squares) = (DMatrix::zeros(places, 2 * count), DMatrix::zeros(places, 3 * count));
-        let mut at: Vec<(f64, f64)> = self.positions.iter().map(|q| (low * q).sin_cos()).collect();
         for f in 0..count {
-            for (i, ((sin, cos), (sin_step, cos_step))) in at.iter_mut().zip(of_step).enumerate() {
-                (waves[(i, f)], waves[(i, count + f)]) = (*cos, *sin);
-                squares[(i, f)] = *cos * *cos;
-                squares[(i, count + f)] = *cos * *sin;
-                squares[(i, 2 * count + f)] = *sin * *sin;
-                (*sin, *cos) = (*sin * cos_step + *cos * sin_step, *cos * cos_step - *sin * sin_step);
+            for (i, q) in self.positions.iter().enumerate() {
+                let (sin, cos) = ((low + step * f as f64) * q).sin_cos();
+                (waves[(i, f)], waves[(i, count + f)]) = (cos, sin);
+                squares[(i, f)] = cos * cos;
+                squares[(i, count + f)] = cos * sin;
+                squares[(i, 2 * count + f)] = sin * sin;
             }
         }
-        let products = &self.products * &waves;
-        let pairs = &self.pairs * &squares;
-        (0..count).map(|f| self.inner(&products, &pairs, f, count)).collect()
+        (&self.products * &waves, &self.pairs * &squares)
+    }
+
+    /// The same for many frequencies: cos² = ½ (1 + cos 2ωq), cos·sin = ½ sin 2ωq, sin² = ½ (1 − cos 2ωq).
+    fn transformed(
+        &self,
+        low: f64,
+        step: f64,
+        [of_waves, of_squares]: &[Transform; 2],
+    ) -> (DMatrix<f64>, DMatrix<f64>) {
+        let count = of_waves.count();
+        let middle = low + step * of_waves.middle() as f64;
+        let turned: Vec<Complex<f64>> =
+            self.positions.iter().map(|q| Complex::from_polar(1.0, middle * q)).collect();
+        let (mut products, mut pairs) =
+            (DMatrix::zeros(self.products.nrows(), 2 * count), DMatrix::zeros(self.pairs.nrows(), 3 * count));
+        for (at, row) in self.products.row_iter().enumerate() {
+            let sums = of_waves.of(row.iter().zip(&turned).map(|(product, turned)| turned * *product));
+            for (f, sum) in sums.iter().enumerate() {
+                (products[(at, f)], products[(at, count + f)]) = (sum.re, sum.im);
+            }
+        }
+        for (at, row) in self.pairs.row_iter().enumerate() {
+            let sums = of_squares.of(row.iter().zip(&turned).map(|(pair, turned)| turned * turned * *pair));
+            let all = row.sum();
+            for (f, sum) in sums.iter().enumerate() {
+                pairs[(at, f)] = 0.5 * (all + sum.re);
+                pairs[(at, count + f)] = 0.5 * sum.im;
+                pairs[(at, 2 * count + f)] = 0.5 * (all - sum.re);
+            }
+        }
+        (products, pairs)
     }
 
     fn inner(&self, products: &DMatrix<f64>, pairs: &DMatrix<f64>, f: usize, count: usize) -> Inner {
@@ -129,26 +167,32 @@ fn pairs_of(count: usize) -> impl Iterator<Item = (usize, usize)> {
 mod tests {
     use super::*;
 
+    /// Few frequencies and many, of positions that come back and of some that do not.
     #[test]
     fn the_products_are_those_of_the_columns_row_by_row() {
         let rows = 40;
-        let position: Vec<f64> = (0..rows).map(|row| f64::from(row / 4) * 0.37).collect();
         let noise =
             |seed: f64| move |row: usize, column: usize| ((row * 7 + column * 13) as f64 + seed).sin();
-        let rows = rows as usize;
         let carriers = DMatrix::from_fn(rows, 2, noise(0.1));
         let basis = DMatrix::from_fn(rows, 3, noise(0.5));
         let residual = DVector::from_fn(rows, noise(0.9));
-        let moments = Moments::new(&position, &carriers, &basis, &residual);
-        // In the second block.
-        let at = 1.5 * BLOCK as f64;
-        let inner = moments.at_steps(0.4, 0.03, 2 * BLOCK).nth(at as usize).unwrap();
-        let columns = DMatrix::from_fn(rows, 4, |row, j| {
-            let (sin, cos) = ((0.4 + 0.03 * at) * position[row]).sin_cos();
-            carriers[(row, j / 2)] * if j % 2 == 0 { cos } else { sin }
-        });
-        assert!((inner.gram - columns.tr_mul(&columns)).amax() < 1e-12);
-        assert!((inner.on_basis - columns.tr_mul(&basis)).amax() < 1e-12);
-        assert!((inner.on_residual - columns.tr_mul(&residual)).amax() < 1e-12);
+        let (low, step) = (0.4, 0.03);
+        for places in [rows / 4, rows] {
+            let position: Vec<f64> = (0..rows).map(|row| (row % places) as f64 * 0.37).collect();
+            let moments = Moments::new(&position, &carriers, &basis, &residual);
+            for (count, at) in
+                [(1, 0), (FEW, FEW - 1), (FEW + 1, 3), (BLOCK, BLOCK - 1), (2 * BLOCK + 1, BLOCK + 77)]
+            {
+                let inner = moments.at_steps(low, step, count).nth(at).unwrap();
+                let columns = DMatrix::from_fn(rows, 4, |row, j| {
+                    let (sin, cos) = ((low + step * at as f64) * position[row]).sin_cos();
+                    carriers[(row, j / 2)] * if j % 2 == 0 { cos } else { sin }
+                });
+                assert!((inner.gram - columns.tr_mul(&columns)).amax() < 1e-10, "{at} of {count}");
+                assert!((inner.on_basis - columns.tr_mul(&basis)).amax() < 1e-10, "{at} of {count}");
+                assert!((inner.on_residual - columns.tr_mul(&residual)).amax() < 1e-10, "{at} of {count}");
+                assert_eq!(moments.at_steps(low, step, count).count(), count);
+            }
+        }
     }
 }
