@@ -9,7 +9,7 @@ use crate::noise::learned::mode::{Mode, Readings};
 use crate::noise::learned::remainder::{Fitted, Remainder};
 use crate::noise::learned::sigma::NOTHING;
 use crate::problem::Problem;
-use crate::problem::credible::credible_columns;
+use crate::problem::credible::Seen;
 use crate::solve::logarithms::log_mean_exp;
 use crate::spectrum::free_waves;
 use crate::spectrum::left::Left;
@@ -24,6 +24,8 @@ pub struct Scan<'a> {
     pub residual: Left,
     /// What the fit of the problem leaves, and the columns of the model.
     pub remainder: Remainder<'a>,
+    /// All points, for columns at further shapes.
+    seen: Seen<'a>,
     /// Named effects that compete.
     pub named: Vec<Named>,
     /// Their columns at all shapes, turned, side by side.
@@ -78,12 +80,14 @@ impl<'a> Scan<'a> {
         let noise = fit.noise.clone().or_else(|| Some(remainder.learn()?.0)).ok_or(DiagnoseError::NoNoise)?;
         let first = remainder.mode_from(&noise).ok_or(DiagnoseError::NoNoise)?;
         let left = Left::of(problem)?;
-        let (named, columns, widths, out_of_reach) = competitors(problem, &left, &remainder, without);
+        let seen = Seen::new(experiment);
+        let (named, columns, widths, out_of_reach) = competitors(problem, &left, &remainder, &seen, without);
         let waves = free_waves(&left);
         let vocabulary = Vocabulary::new(&remainder.rows.points, &remainder.root, &waves);
         Ok(Self {
             residual: left,
             remainder,
+            seen,
             named,
             columns,
             widths,
@@ -118,7 +122,7 @@ impl<'a> Scan<'a> {
     /// Columns of an instance at a shape; rows count with their weights.
     pub fn columns_of(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
         let Remainder { rows, root, .. } = &self.remainder;
-        weighted(rows.of(credible_columns(rows.whole(), instance, shape)), root)
+        weighted(rows.of(self.seen.credible_columns(instance, shape)), root)
     }
 
     /// The same where they are numbers.
@@ -134,6 +138,7 @@ fn competitors(
     problem: &Problem<'_>,
     left: &Left,
     remainder: &Remainder<'_>,
+    seen: &Seen<'_>,
     without: &[String],
 ) -> Competitors {
     let (experiment, model) = (problem.experiment(), problem.model());
@@ -157,7 +162,7 @@ fn competitors(
         }
         let first = blocks.len();
         for shape in &shapes.grid {
-            let columns = weighted(rows.of(credible_columns(experiment, &instance, shape)), root);
+            let columns = weighted(rows.of(seen.credible_columns(&instance, shape)), root);
             blocks.push(turned(&columns).cast::<Real>());
         }
         let (price_ln, natural) = (instance.role().price_ln(), instance.role() == Role::Natural);

@@ -3,18 +3,53 @@
 use crate::Experiment;
 use nalgebra::DMatrix;
 use trunnion_effects::{Instance, Unit};
+use trunnion_instruments::Projector;
 
 /// Less than this at a thousand times the typical size is nothing, mm rms.
 const NOTHING_MM: f64 = 1e-5;
 
+/// Points that are seen once for all columns: no run that was read from a file has more (docs/design/numerics.md §1.4). A view takes some kB.
+const MOST_SEEN: usize = 10_000;
+
 /// Columns of an effect, rows × parameters; none where the scene cannot have it, zero where one moves nothing at any credible size
 /// or is not finite.
 pub fn credible_columns(experiment: &Experiment, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
+    credible(experiment, instance, || experiment.columns(instance, shape))
+}
+
+/// The points of an experiment, seen once for all columns that are asked for.
+pub struct Seen<'a> {
+    experiment: &'a Experiment,
+    /// `None` of more points than are worth the memory.
+    projectors: Option<Vec<Projector<'a>>>,
+}
+
+impl<'a> Seen<'a> {
+    pub fn new(experiment: &'a Experiment) -> Self {
+        let is_small = experiment.points.len() <= MOST_SEEN;
+        Self { experiment, projectors: is_small.then(|| experiment.projectors()) }
+    }
+
+    /// [`credible_columns`].
+    pub fn credible_columns(&self, instance: &Instance, shape: &[f64]) -> DMatrix<f64> {
+        let experiment = self.experiment;
+        credible(experiment, instance, || match &self.projectors {
+            Some(projectors) => experiment.columns_seen(projectors, instance, shape),
+            None => experiment.columns(instance, shape),
+        })
+    }
+}
+
+fn credible(
+    experiment: &Experiment,
+    instance: &Instance,
+    columns: impl FnOnce() -> DMatrix<f64>,
+) -> DMatrix<f64> {
     let parameters = instance.parameters(&experiment.scene);
     if parameters.is_empty() {
         return DMatrix::zeros(experiment.rows(), 0);
     }
-    let mut columns = experiment.columns(instance, shape);
+    let mut columns = columns();
     let root_rows = (experiment.rows() as f64).sqrt();
     for (mut column, parameter) in columns.column_iter_mut().zip(&parameters) {
         let incredible = 1e3 * typical_size(parameter.unit);

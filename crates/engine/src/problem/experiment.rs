@@ -5,7 +5,7 @@
 
 use crate::IdentifyError;
 use crate::problem::poses::{same_pose, stood};
-use nalgebra::{DMatrix, DVector, Matrix3};
+use nalgebra::{DMatrix, DMatrixViewMut, DVector, Matrix3};
 use std::borrow::Cow;
 use std::ops::Range;
 use trunnion_core::{AxisValues, Joint, Point, Setup, State};
@@ -222,22 +222,73 @@ impl Experiment {
         columns: &mut DMatrix<f64>,
     ) {
         let first_row = self.first_row[points.start];
-        let mut first_column = vec![0];
-        for (instance, _) in effects {
-            first_column.push(first_column[first_column.len() - 1] + instance.parameters(&self.scene).len());
-        }
+        let place = Place { effects, first_column: self.first_columns(effects) };
         for i in points {
             let rows = self.rows_of(i);
             let state: &State = &state_of(i);
             let projector = Projector::new(self.machine(), &self.setups[state.setup], state);
-            for (k, (instance, shape)) in effects.iter().enumerate() {
-                instance.motions(&self.scene, shape, state, &mut |parameter, site, twist| {
-                    let seen = projector.column(site, &twist);
-                    for (component, row) in rows.clone().enumerate() {
-                        columns[(row - first_row, first_column[k] + parameter)] += seen[component];
-                    }
-                });
-            }
+            let at = rows.start - first_row;
+            place.add(&self.scene, &projector, state, &mut columns.rows_mut(at, rows.len()));
+        }
+    }
+
+    fn first_columns(&self, effects: &[(&Instance, &[f64])]) -> Vec<usize> {
+        let mut first_column = vec![0];
+        for (instance, _) in effects {
+            first_column.push(first_column[first_column.len() - 1] + instance.parameters(&self.scene).len());
+        }
+        first_column
+    }
+
+    /// Columns of one effect as [`Experiment::columns`], with what the instruments see at every point.
+    pub(crate) fn columns_seen(
+        &self,
+        projectors: &[Projector<'_>],
+        instance: &Instance,
+        shape: &[f64],
+    ) -> DMatrix<f64> {
+        let effects = [(instance, shape)];
+        let place = Place { effects: &effects, first_column: self.first_columns(&effects) };
+        let mut columns = DMatrix::zeros(self.rows(), place.first_column[1]);
+        for (i, projector) in projectors.iter().enumerate() {
+            let (rows, state) = (self.rows_of(i), &self.points[i].state);
+            place.add(&self.scene, projector, state, &mut columns.rows_mut(rows.start, rows.len()));
+        }
+        columns
+    }
+
+    /// What the instruments see at every point.
+    pub(crate) fn projectors(&self) -> Vec<Projector<'_>> {
+        let of_point = |point: &Point| {
+            let state = &point.state;
+            Projector::new(self.machine(), &self.setups[state.setup], state)
+        };
+        self.points.iter().map(of_point).collect()
+    }
+}
+
+/// Effects side by side, with the first column of each.
+struct Place<'e> {
+    effects: &'e [(&'e Instance, &'e [f64])],
+    first_column: Vec<usize>,
+}
+
+impl Place<'_> {
+    /// Adds what they make of one point to its rows.
+    fn add(
+        &self,
+        scene: &Scene,
+        projector: &Projector<'_>,
+        state: &State,
+        rows: &mut DMatrixViewMut<'_, f64>,
+    ) {
+        for (first_column, (instance, shape)) in self.first_column.iter().zip(self.effects) {
+            instance.motions(scene, shape, state, &mut |parameter, site, twist| {
+                let seen = projector.column(site, &twist);
+                for component in 0..rows.nrows() {
+                    rows[(component, first_column + parameter)] += seen[component];
+                }
+            });
         }
     }
 }
