@@ -51,7 +51,10 @@ impl Unfitted {
 
 /// Fits the model with each of the additions, in their order.
 pub fn refits(problem: &Problem<'_>, additions: Vec<Vec<ModelEffect>>) -> Vec<Result<Refit, Unfitted>> {
-    let fits = parallel(additions.len(), |i| problem.with(&additions[i]).map(Problem::into_fit));
+    // All that was found stands last and takes longest: last of two threads it would work alone.
+    let last_first = |i: usize| &additions[additions.len() - 1 - i];
+    let mut fits = parallel(additions.len(), |i| problem.with(last_first(i)).map(Problem::into_fit));
+    fits.reverse();
     let with = |(added, fit)| match fit {
         Ok(fit) => Ok(Refit { added, fit }),
         Err(error) => Err(Unfitted { added, error: Box::new(error) }),

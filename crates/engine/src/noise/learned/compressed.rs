@@ -90,7 +90,7 @@ impl Compressed {
         let (mut sigma, mut w) = (self.of_white.clone(), self.rest.white);
         for ((of_kernel, share), ratio) in self.of_kernels.iter().zip(&self.rest.shares).zip(ratios) {
             if *ratio > 0.0 {
-                sigma.zip_apply(of_kernel, |sum, of_kernel| *sum += ratio * of_kernel);
+                add_lower(*ratio, of_kernel, &mut sigma);
                 w += ratio * share;
             }
         }
@@ -117,6 +117,16 @@ impl Compressed {
         let of_rest = &of_rest * of_rest.transpose() * (square / here.w);
         let information = (moved.tr_mul(&here.factor.solve(&moved)) + of_rest) * 2.0;
         Seen { traces, squares, information }
+    }
+}
+
+/// Adds to the lower triangle, of which a factor is formed: three thousand times for one fit.
+fn add_lower(by: f64, matrix: &DMatrix<f64>, to: &mut DMatrix<f64>) {
+    let n = to.nrows();
+    for column in 0..n {
+        let lower = column * (n + 1)..(column + 1) * n;
+        let pairs = to.as_mut_slice()[lower.clone()].iter_mut().zip(&matrix.as_slice()[lower]);
+        pairs.for_each(|(sum, value)| *sum += by * value);
     }
 }
 
