@@ -19,6 +19,7 @@
 
 mod charts;
 mod confounded;
+mod drift;
 mod fit;
 mod list;
 mod planes;

@@ -197,6 +197,16 @@ fn split(design: &DMatrix<f64>, column: &DVector<f64>) -> Option<(DVector<f64>, 
     Some((moves, is_shown.then_some(shown)))
 }
 
+/// a and u(a) of a column next to the list; `None` where the list takes it up.
+pub(super) fn amount_next_to(
+    design: &DMatrix<f64>,
+    column: &DVector<f64>,
+    left: &DVector<f64>,
+) -> Option<(f64, f64)> {
+    let (_, shown) = split(design, column)?;
+    Some(amount(&shown?, left))
+}
+
 /// a and u(a): u by what is left with the cause, widened by its correlation.
 fn amount(shown: &DVector<f64>, left: &DVector<f64>) -> (f64, f64) {
     let square = shown.norm_squared();

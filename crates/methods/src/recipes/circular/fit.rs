@@ -1,6 +1,7 @@
 //! The whole list fitted to one trace, each error's own circularity, and what is left.
 
 use super::confounded::{Other, Together, confounded_together, one_number, others};
+use super::drift::Drift;
 use super::list::{Listed, ListedKind, columns, listed, of_beginnings, of_decay};
 use super::sample::Sample;
 use super::solved::{CENTRING, TOLERANCE, rounding, widened};
@@ -35,6 +36,8 @@ pub(super) struct Fitted<'a> {
     pub others: Result<Vec<Other>, String>,
     /// Those that together leave nothing that shows them.
     pub together: Vec<Together>,
+    /// Of the readings in time, where it is significant.
+    pub drift: Option<Drift>,
     /// Values of ISO 230-4.
     pub iso: Iso,
     /// Standard deviation of what the centring leaves, mm.
@@ -165,6 +168,7 @@ impl<'a> Fitted<'a> {
             left_rms_mm: left.norm() / freedom.sqrt(),
             noise_mm: noise(samples, &left),
             left_circularity_mm: range(left_contours),
+            drift: Drift::of(trace, &design, &left),
             contours,
             errors,
             together: others

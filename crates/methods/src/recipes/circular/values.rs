@@ -305,6 +305,7 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
                 if names.len() > 1 { "one of these" } else { "this" }
             ));
         }
+        notes.extend(fit.drift.iter().map(|drift| format!("{plane}: {}", drift.words())));
         if fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm {
             notes.push(format!(
                 "{plane}: the list does not explain everything. See the chart of the residual: where it is large, and whether both ways agree. \
