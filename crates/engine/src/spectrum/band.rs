@@ -1,6 +1,6 @@
 //! Which waves a set of positions can show.
 
-use nalgebra::Complex;
+use super::transform::heights;
 use std::f64::consts::{PI, TAU};
 use trunnion_core::statistics::upper_median;
 
@@ -87,15 +87,9 @@ impl Band {
             return Vec::new();
         }
         let chance = ((20.0 * self.independent()).ln() / count).sqrt();
-        let turned = |omega: f64, x: &f64| Complex::from_polar(1.0, omega * x);
-        let turn: Vec<Complex<f64>> = sorted.iter().map(|x| turned(step, x)).collect();
-        let mut at: Vec<Complex<f64>> = sorted.iter().map(|x| turned(first, x)).collect();
-        let window: Vec<f64> = (0..=steps as usize)
-            .map(|_| {
-                let height = at.iter().sum::<Complex<f64>>().norm() / count;
-                at.iter_mut().zip(&turn).for_each(|(at, turn)| *at *= turn);
-                height
-            })
+        let window: Vec<f64> = heights(&sorted, first, step, steps as usize + 1)
+            .into_iter()
+            .map(|height| height / count)
             .collect();
         let resolutions = |k: usize| FEWEST as f64 + k as f64 / OVERSAMPLING;
         let stands_out = |k: &usize| window[*k] > chance.max(1.0 / resolutions(*k));

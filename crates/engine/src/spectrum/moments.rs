@@ -4,13 +4,11 @@
 //! sine for each position instead of a product of the size of the readings. Many frequencies cost hardly more than their logarithm:
 //! positions that do not come back (a circle, several laps of it) have as many as there are rows.
 
-use super::transform::Transform;
+use super::transform::{Transform, together};
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Up to as many frequencies are a matrix product of all positions: a transform spreads each position over a quarter as many nodes.
 const FEW: usize = 64;
-/// Frequencies that are transformed together: as much work for the grid as for the positions of a spectrum, and they fit a cache.
-const BLOCK: usize = 4096;
 
 /// Sums over the rows at each position, for every carrier k.
 #[derive(Clone, Debug)]
@@ -77,7 +75,7 @@ impl Moments {
 
     /// At `count` frequencies from `low` on, `step` apart.
     pub fn at_steps(&self, low: f64, step: f64, count: usize) -> impl Iterator<Item = Inner> {
-        let size = if count <= FEW { count } else { count.div_ceil(count.div_ceil(BLOCK)) };
+        let size = if count <= FEW { count } else { together(count) };
         let fast =
             (count > FEW).then(|| [step, 2.0 * step].map(|step| Transform::new(&self.positions, step, size)));
         (0..count).step_by(size.max(1)).flat_map(move |from| {
@@ -180,9 +178,7 @@ mod tests {
         for places in [rows / 4, rows] {
             let position: Vec<f64> = (0..rows).map(|row| (row % places) as f64 * 0.37).collect();
             let moments = Moments::new(&position, &carriers, &basis, &residual);
-            for (count, at) in
-                [(1, 0), (FEW, FEW - 1), (FEW + 1, 3), (BLOCK, BLOCK - 1), (2 * BLOCK + 1, BLOCK + 77)]
-            {
+            for (count, at) in [(1, 0), (FEW, FEW - 1), (FEW + 1, 3), (4096, 4095), (9000, 4200)] {
                 let inner = moments.at_steps(low, step, count).nth(at).unwrap();
                 let columns = DMatrix::from_fn(rows, 4, |row, j| {
                     let (sin, cos) = ((low + step * at as f64) * position[row]).sin_cos();

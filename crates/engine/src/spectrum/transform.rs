@@ -14,6 +14,26 @@ const HALF_WIDTH: usize = 8;
 /// Nodes for each frequency.
 const FINER: usize = 2;
 
+/// Frequencies that are transformed together: as much work for the grid as for the positions of a spectrum, and they fit a cache.
+const MOST: usize = 4096;
+
+/// How many frequencies each of the fewest transforms has that hold `count`.
+pub(super) fn together(count: usize) -> usize {
+    count.div_ceil(count.div_ceil(MOST).max(1))
+}
+
+/// |Σ_j e^(iωq_j)| at `count` frequencies from `low` on, `step` apart.
+pub(super) fn heights(positions: &[f64], low: f64, step: f64, count: usize) -> Vec<f64> {
+    let size = together(count).max(1);
+    let transform = Transform::new(positions, step, size);
+    let of_block = |from: usize| {
+        let middle = low + step * (from + transform.middle()) as f64;
+        let turned = positions.iter().map(move |q| Complex::from_polar(1.0, middle * q));
+        transform.of(turned).into_iter().map(Complex::norm)
+    };
+    (0..count).step_by(size).flat_map(of_block).take(count).collect()
+}
+
 /// Where the positions of a transform lie on its grid.
 pub(super) struct Transform {
     /// How many frequencies.
@@ -144,6 +164,26 @@ mod tests {
                 let of = |(j, q): (usize, &f64)| Complex::from_polar(1.0, omega * q) * size(j);
                 let plain: Complex<f64> = positions.iter().enumerate().map(of).sum();
                 prop_assert!((plain - found).norm() < 1e-10 * total.max(1.0), "{k} of {count}: {found} {plain}");
+            }
+        }
+    }
+
+    /// In one transform, in the second of two, and none at all.
+    #[test]
+    fn heights_are_those_of_every_frequency_by_itself() {
+        let positions: Vec<f64> = (0..50).map(|i| (f64::from(i) * 0.618_034).fract() * 30.0).collect();
+        for count in [0, 1, 500, MOST + 900] {
+            let found = heights(&positions, 0.7, 0.013, count);
+            assert_eq!(found.len(), count);
+            for k in [0, 1, count / 2, count.saturating_sub(1)].into_iter().filter(|k| *k < count) {
+                let omega = 0.7 + 0.013 * k as f64;
+                let plain: Complex<f64> = positions.iter().map(|q| Complex::from_polar(1.0, omega * q)).sum();
+                assert!(
+                    (plain.norm() - found[k]).abs() < 1e-10,
+                    "{k} of {count}: {} {}",
+                    found[k],
+                    plain.norm()
+                );
             }
         }
     }
