@@ -12,6 +12,7 @@ mod holdout;
 pub mod identification;
 mod mixture;
 pub mod options;
+pub mod reading_noise;
 mod second_order;
 mod sensitivity;
 mod shape;

@@ -25,10 +25,13 @@ use crate::fit::errors::Errors;
 use crate::fit::identification::Identification;
 use crate::fit::identify_sharing;
 use crate::fit::options::{IdentifyError, Options, Uncertainties};
+use crate::fit::reading_noise::ReadingNoise;
+use crate::noise::learned::remainder::{Fitted, weighted};
 use crate::problem::experiment::Experiment;
 use crate::problem::known::KnownFits;
+use crate::problem::rows::Rows;
 use credible::credible_columns;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use trunnion_effects::{Instance, Model, ModelEffect};
 
@@ -131,6 +134,25 @@ impl<'a> Problem<'a> {
             all.columns_mut(first, free.len()).copy_from(&columns.select_columns(&free));
         }
         Ok(all)
+    }
+
+    /// The same on the rows that are looked at, weighted.
+    pub(crate) fn columns_on(
+        &self,
+        rows: &Rows<'_>,
+        root: &DVector<f64>,
+    ) -> Result<DMatrix<f64>, IdentifyError> {
+        Ok(weighted(rows.of(self.columns(self.experiment)?), root))
+    }
+
+    /// The noise of the readings next to this fit; `None` where they are too few, or of several ways of measuring, to say what is noise.
+    ///
+    /// # Errors
+    /// The model has an effect that the machine cannot have.
+    pub fn reading_noise(&self) -> Result<Option<ReadingNoise<'a>>, IdentifyError> {
+        let fit = self.fit();
+        let columns = |rows: &Rows<'_>, root: &DVector<f64>| self.columns_on(rows, root);
+        ReadingNoise::learn(self.experiment, &Fitted::of(fit), fit.degrees_of_freedom, columns)
     }
 
     /// The points.

@@ -6,7 +6,7 @@ use crate::diagnosis::vocabulary::Vocabulary;
 use crate::evidence::{joined, orthonormal, turned};
 use crate::noise::learned::Real;
 use crate::noise::learned::mode::{Mode, Readings};
-use crate::noise::learned::remainder::{Fitted, Remainder};
+use crate::noise::learned::remainder::{Fitted, Remainder, weighted};
 use crate::noise::learned::sigma::NOTHING;
 use crate::problem::Problem;
 use crate::problem::credible::Seen;
@@ -63,16 +63,8 @@ impl Named {
 impl<'a> Scan<'a> {
     pub fn new(problem: &Problem<'a>, without: &[String]) -> Result<Self, DiagnoseError> {
         let (experiment, fit) = (problem.experiment(), problem.fit());
-        let fitted = Fitted {
-            row_weights: &fit.row_weights,
-            residual_mm: &fit.residual_mm,
-            predicted_mm: &fit.predicted_mm,
-            used: &fit.used,
-            other: fit.noise.as_ref(),
-        };
-        let remainder = Remainder::new(experiment, &fitted, |rows, root| {
-            Ok::<_, DiagnoseError>(weighted(rows.of(problem.columns(experiment)?), root))
-        })?;
+        let remainder =
+            Remainder::new(experiment, &Fitted::of(fit), |rows, root| problem.columns_on(rows, root))?;
         let (rows, parameters) = (remainder.rows.points.rows(), remainder.basis.ncols());
         if rows < 2 * parameters {
             return Err(DiagnoseError::TooFewReadings { rows, parameters });
@@ -176,10 +168,4 @@ fn competitors(
         next += block.ncols();
     }
     (named, columns, widths, out_of_reach)
-}
-
-/// Columns (rows × columns) multiplied by the roots of the weights.
-fn weighted(mut columns: DMatrix<f64>, root: &DVector<f64>) -> DMatrix<f64> {
-    columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(root));
-    columns
 }

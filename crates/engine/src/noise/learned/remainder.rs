@@ -9,6 +9,7 @@ use super::sigma::NOTHING;
 use super::tails;
 use crate::Experiment;
 use crate::evidence::{joined, orthonormal};
+use crate::fit::identification::Identification;
 use crate::problem::rows::Rows;
 use crate::written::vector;
 use nalgebra::{DMatrix, DVector};
@@ -37,6 +38,18 @@ pub(crate) struct Fitted<'a> {
     pub used: &'a [bool],
     /// The noise of another fit of the same points.
     pub other: Option<&'a Learned>,
+}
+
+impl<'a> Fitted<'a> {
+    pub fn of(fit: &'a Identification) -> Self {
+        Self {
+            row_weights: &fit.row_weights,
+            residual_mm: &fit.residual_mm,
+            predicted_mm: &fit.predicted_mm,
+            used: &fit.used,
+            other: fit.noise.as_ref(),
+        }
+    }
 }
 
 /// What a fit leaves.
@@ -205,4 +218,10 @@ impl fmt::Debug for Learned {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Learned").field("s_mm", &self.s_mm).field("rho_ln", &self.rho_ln).finish()
     }
+}
+
+/// Columns (rows × columns) multiplied by the roots of the weights.
+pub(crate) fn weighted(mut columns: DMatrix<f64>, root: &DVector<f64>) -> DMatrix<f64> {
+    columns.column_iter_mut().for_each(|mut column| column.component_mul_assign(root));
+    columns
 }
