@@ -9,6 +9,7 @@ pub(crate) mod of_few;
 pub(crate) mod over_height;
 pub(crate) mod relative;
 pub(crate) mod rounding;
+pub(crate) mod shares;
 pub(crate) mod significance;
 pub(crate) mod stations;
 pub(crate) mod turning;
@@ -26,17 +27,21 @@ pub(crate) struct Mounted<'a> {
     pub run: &'a Run,
     pub setup: &'a Setup,
     pub points: Vec<&'a Point>,
+    /// Number of each among the good readings of all runs, as a joint fit of them has it.
+    pub numbers: Vec<usize>,
 }
 
 /// Every setup that was read.
 pub(crate) fn mounted(runs: &[Run]) -> Vec<Mounted<'_>> {
-    let mut all = Vec::new();
+    let (mut all, mut before) = (Vec::new(), 0);
     for (i, run) in runs.iter().enumerate() {
         for (s, setup) in run.setups.iter().enumerate() {
-            let points: Vec<&Point> = run.good_points().filter(|p| p.state.setup == s).collect();
+            let of_setup = (before..).zip(run.good_points()).filter(|(_, p)| p.state.setup == s);
+            let (numbers, points): (Vec<usize>, Vec<&Point>) = of_setup.unzip();
             let name = if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
-            all.push(Mounted { name, at: i, run, setup, points });
+            all.push(Mounted { name, at: i, run, setup, points, numbers });
         }
+        before += run.good_points().count();
     }
     all.retain(|mounted| !mounted.points.is_empty());
     all

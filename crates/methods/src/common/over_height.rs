@@ -1,5 +1,7 @@
 //! Values at the heights of the ball as a straight line over the height.
 
+use super::shares::Shares;
+
 /// A straight line `at_zero + slope·h` with standard uncertainties.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
@@ -34,6 +36,12 @@ impl Weights {
             // Truncated to the next lower integer, as the GUM does.
             (effective as usize).max(1)
         })
+    }
+
+    /// The same of a line in sums of readings: at zero, and its slope.
+    pub fn shares(&self, values: &[&Shares]) -> [Shares; 2] {
+        [&self.at_zero, &self.slope]
+            .map(|weights| Shares::sum(weights.iter().copied().zip(values.iter().copied())))
     }
 
     /// The line through values at the heights, with their standard uncertainties.

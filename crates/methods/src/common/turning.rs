@@ -6,10 +6,10 @@
 //! `u = δ_u + ω_v h`, `v = δ_v − ω_u h`, `w = δ_w`; a ball set off the axis by s turns with it: `R_w(θ) s`.
 //! Limits: R-test readings (three components); the axis lies along a coordinate of its carrier.
 
-use super::relative::tool_against_table_mm;
+use super::relative::{machine_from_reading, tool_against_table_mm};
 use crate::common::{Mounted, mounted};
 use crate::recipes::{Method, MethodError, one_machine};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use trunnion_core::convert::{deg_from_rad, rad_from_deg};
 use trunnion_core::{AxisValues, InstrumentKind, Joint, Point, Setup};
 use trunnion_cycles::{Run, RunKind};
@@ -66,6 +66,10 @@ pub(crate) struct Turned {
     pub pass: usize,
     /// Displacement of the carried side in u, v, w, mm.
     pub moved_mm: Vector3<f64>,
+    /// The same for a unit of each component of the reading.
+    pub moved_per_reading: Matrix3<f64>,
+    /// Number of the reading among the good ones of all runs.
+    pub number: usize,
 }
 
 impl Turning {
@@ -83,10 +87,10 @@ impl Turning {
             return Err(method.lacks(found, format!("Choose --axis {}.", rotary.join(" or "))));
         }
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
-        for Mounted { name, at, run, setup, points } in mounted(runs) {
+        for Mounted { name, at, run, setup, points, numbers } in mounted(runs) {
             match alone(machine, setup, &points) {
                 Ok(letter) if asked.is_none_or(|asked| asked == letter) => {
-                    found.push((letter, name, at, run, setup, points));
+                    found.push((letter, name, at, run, setup, points, numbers));
                 }
                 Ok(letter) => left_out.push(format!("setup {name}: axis {letter} turns there")),
                 Err(why) => left_out.push(format!("setup {name}: {why}")),
@@ -105,8 +109,10 @@ impl Turning {
             let found = format!("axis {axis} of machine {} lies along no coordinate", machine.name);
             method.lacks(found, "Use the joint fit (identify without --method).")
         })?;
-        let set = |(_, name, at, _, setup, points): &(Joint, String, usize, &Run, &Setup, Vec<&Point>)| {
-            TurningSet { run: *at, ..place.set(name, setup, points) }
+        type Found<'r> = (Joint, String, usize, &'r Run, &'r Setup, Vec<&'r Point>, Vec<usize>);
+        let set = |(_, name, at, _, setup, points, numbers): &Found<'_>| TurningSet {
+            run: *at,
+            ..place.set(name, setup, points, numbers)
         };
         let sets = found.iter().map(set).collect();
         let on_the_fly = found.iter().any(|(_, _, _, run, ..)| run.kind == RunKind::OnTheFly);
@@ -198,8 +204,10 @@ impl<'a> Placed<'a> {
         })
     }
 
-    fn set(&self, name: &str, setup: &Setup, points: &[&Point]) -> TurningSet {
-        let mut readings: Vec<Turned> = points.iter().map(|point| self.turned(setup, point)).collect();
+    fn set(&self, name: &str, setup: &Setup, points: &[&Point], numbers: &[usize]) -> TurningSet {
+        let numbered = points.iter().zip(numbers);
+        let mut readings: Vec<Turned> =
+            numbered.map(|(point, &number)| Turned { number, ..self.turned(setup, point) }).collect();
         let passes = number_passes(&mut readings);
         let position = points[0].state.position;
         TurningSet {
@@ -221,6 +229,9 @@ impl<'a> Placed<'a> {
         };
         let frame = self.machine.joint_frame(self.axis, position).expect("the machine has this axis");
         let in_carrier = frame.machine_from_carrier.inverse() * carried;
+        let per_reading = frame.machine_from_carrier.inverse().to_rotation_matrix().into_inner()
+            * machine_from_reading(self.machine, setup, point);
+        let sense = if self.side == Side::Table { -1.0 } else { 1.0 };
         let angle_rad = position[self.axis];
         Turned {
             angle_rad,
@@ -228,6 +239,8 @@ impl<'a> Placed<'a> {
             direction: point.state.direction[self.axis],
             pass: 0,
             moved_mm: Vector3::from_fn(|k, _| in_carrier[self.frame[k].index()]),
+            moved_per_reading: Matrix3::from_fn(|k, of| sense * per_reading[(self.frame[k].index(), of)]),
+            number: 0,
         }
     }
 

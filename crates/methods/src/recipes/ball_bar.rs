@@ -35,6 +35,8 @@ use crate::Findings;
 use shape::{AxisShapes, Shape};
 use track::recognised;
 use trunnion_cycles::Run;
+use trunnion_effects::Model;
+use trunnion_engine::{Experiment, Problem};
 
 pub(super) static METHOD: Method = Method {
     name: "ball-bar",
@@ -56,11 +58,15 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let tracks = recognised(&METHOD, runs, options.axis)?;
     let shapes = Shape::of_all(&METHOD, &tracks.all)?;
     let axes = AxisShapes::of_all(&shapes);
-    let location = location::locations(&shapes, &axes);
-    let by_joint_fit = match location.is_empty() {
-        true => Vec::new(),
-        false => joint_fit::locations_of(&METHOD, runs, options.axis)?,
-    };
-    let found = Found { tracks: &tracks, shapes: &shapes, axes: &axes, location, by_joint_fit };
+    let mut location = location::locations(&shapes, &axes);
+    let (mut by_joint_fit, mut noise_is_known) = (Vec::new(), false);
+    if !location.is_empty() {
+        let experiment = Experiment::new(runs)?;
+        let problem = Problem::new(&experiment, &Model::base(&experiment.machine().name))?;
+        by_joint_fit = joint_fit::locations_of(&METHOD, &problem, options.axis)?;
+        noise_is_known = location::under_noise(&mut location, &problem)?;
+    }
+    let found =
+        Found { tracks: &tracks, shapes: &shapes, axes: &axes, location, by_joint_fit, noise_is_known };
     Ok(values::findings(&METHOD, runs, &found, options.convention))
 }

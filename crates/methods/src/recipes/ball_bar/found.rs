@@ -12,4 +12,6 @@ pub(super) struct Found<'a> {
     pub(super) location: Vec<Location>,
     /// The same location errors from what the joint fit of all effects predicts for these readings.
     pub(super) by_joint_fit: Vec<Location>,
+    /// u of the location errors is under the noise that all readings show together.
+    pub(super) noise_is_known: bool,
 }

@@ -8,17 +8,14 @@ use super::track::recognised;
 use crate::recipes::{Method, MethodError};
 use trunnion_core::{Joint, Point};
 use trunnion_cycles::{Run, RunKind};
-use trunnion_effects::Model;
-use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, identify};
+use trunnion_engine::Problem;
 
 pub(super) fn locations_of(
     method: &Method,
-    runs: &[Run],
+    problem: &Problem<'_>,
     asked: Option<Joint>,
 ) -> Result<Vec<Location>, MethodError> {
-    let experiment = Experiment::new(runs)?;
-    let joint = identify(&experiment, &Model::base(&experiment.machine().name), &Options::default())?;
+    let (experiment, joint) = (problem.experiment(), problem.fit());
     let predicted = |(i, point): (usize, &Point)| {
         let mut point = point.clone();
         for (k, row) in experiment.rows_of(i).enumerate() {

@@ -3,9 +3,11 @@
 use super::causes::ErrorKind;
 use super::shape::{AxisShapes, Shape};
 use super::track::Kind;
-use crate::recipes::Convention;
+use crate::common::shares::{Shares, u_under_noise};
+use crate::recipes::{Convention, MethodError};
 use trunnion_core::Joint;
 use trunnion_effects::Unit;
+use trunnion_engine::{Made, Patterns, Problem};
 
 /// A location error, right-handed, inside units.
 pub(super) struct Location {
@@ -13,6 +15,8 @@ pub(super) struct Location {
     pub value: f64,
     pub unit: Unit,
     pub u: f64,
+    /// What each reading counts in it.
+    pub shares: Shares,
     pub kind: ErrorKind,
     /// S4 prints it with the opposite sign.
     pub opposite_in_source: bool,
@@ -32,19 +36,20 @@ pub(super) fn locations(shapes: &[Shape], axes: &[AxisShapes]) -> Vec<Location> 
         let [tilt_u, tilt_v, _] = axis.rotations();
         // S4 eq. 1 and 3 are of C.
         let of_c = axis.frame[2] == Joint::Z;
-        let squareness = |direction, value, u, opposite_in_source| Location {
+        let squareness = |direction, value, u, shares: &Shares, opposite_in_source| Location {
             name: axis.symbol(direction, true),
             value,
             unit: Unit::URAD,
             u,
+            shares: shares.clone(),
             kind: ErrorKind::Squareness,
             opposite_in_source,
         };
         if let Some(line) = of_axis.line[1] {
-            found.push(squareness(tilt_u, -line.slope, line.u_slope, false));
+            found.push(squareness(tilt_u, -line.slope, line.u_slope, &of_axis.shares_of_line[1][1], false));
         }
         if let Some(line) = of_axis.line[0] {
-            found.push(squareness(tilt_v, line.slope, line.u_slope, of_c));
+            found.push(squareness(tilt_v, line.slope, line.u_slope, &of_axis.shares_of_line[0][1], of_c));
         }
         for (k, line) in of_axis.line.iter().enumerate() {
             let Some(line) = line.filter(|_| of_axis.calibrated) else { continue };
@@ -53,6 +58,7 @@ pub(super) fn locations(shapes: &[Shape], axes: &[AxisShapes]) -> Vec<Location> 
                 value: line.at_zero,
                 unit: Unit::UM,
                 u: line.u_at_zero,
+                shares: of_axis.shares_of_line[k][0].clone(),
                 kind: ErrorKind::Place,
                 opposite_in_source: of_c,
             });
@@ -66,10 +72,20 @@ pub(super) fn locations(shapes: &[Shape], axes: &[AxisShapes]) -> Vec<Location> 
                 value: shape.centre[k],
                 unit: Unit::URAD,
                 u: shape.u_centre[k],
+                shares: shape.shares_of_centre[k].clone(),
                 kind: ErrorKind::Squareness,
                 opposite_in_source: false,
             });
         }
     }
     found
+}
+
+/// With u under the noise that all readings show together; false where they show none, so that u stays what the centring leaves.
+pub(super) fn under_noise(found: &mut [Location], problem: &Problem<'_>) -> Result<bool, MethodError> {
+    let shares: Vec<&Shares> = found.iter().map(|location| &location.shares).collect();
+    let made = Made { patterns: Patterns::Described, taken_off: 0 };
+    let Some(u) = u_under_noise(problem, &shares, made)? else { return Ok(false) };
+    found.iter_mut().zip(u).for_each(|(location, u)| location.u = u);
+    Ok(true)
 }

@@ -4,6 +4,7 @@ use super::track::{Axis, Kind, Sample, Track, span, whole_turn};
 use crate::common::bar::{OFF_TOLERANCE, to_first_order};
 use crate::common::feed::is_one_feed;
 use crate::common::over_height::{Line, Weights};
+use crate::common::shares::Shares;
 use crate::common::stations::Stations;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
@@ -30,6 +31,9 @@ pub(super) struct Shape {
     /// c: mean of the displacement about the setting, mm, and its standard uncertainty by what the fit leaves.
     pub mean_mm: f64,
     pub u_mean_mm: f64,
+    /// What each reading counts in the mean, and in the centre.
+    pub shares_of_mean: Shares,
+    pub shares_of_centre: [Shares; 2],
     /// S4's mean radial error: c counted tool against table, mm.
     pub mean_reading_mm: f64,
     /// Setting s of the ball; of C-XY the tilts (E_u0, E_v0), rad; of a path the setting is in table axes and not here.
@@ -109,6 +113,9 @@ impl Shape {
             [(_, forward), (_, backward)] => Some(mean(forward) - mean(backward)),
             _ => None,
         };
+        let read: Vec<Shares> =
+            samples.iter().map(|s| Shares::of(s.number, 0, s.moved_per_reading)).collect();
+        let mut shares = Shares::of_fit(&design, &fit, &read).into_iter();
         let sign = samples.iter().map(|s| s.reading_mm * s.moved_mm).sum::<f64>();
         let pair = |of: &DVector<f64>| match of.len() {
             3 => Vector2::new(of[1], of[2]),
@@ -121,6 +128,8 @@ impl Shape {
             calibrated: track.calibrated,
             mean_mm: fit.x[0],
             u_mean_mm: fit.u[0],
+            shares_of_mean: shares.next().unwrap_or_default(),
+            shares_of_centre: [(); 2].map(|()| shares.next().unwrap_or_default()),
             mean_reading_mm: if sign < 0.0 { -fit.x[0] } else { fit.x[0] },
             centre: pair(&fit.x),
             u_centre: pair(&fit.u),
@@ -251,6 +260,8 @@ pub(super) struct AxisShapes {
     pub axis: Axis,
     /// Place of the axis line over the height along u and v; `None` without two heights.
     pub line: [Option<Line>; 2],
+    /// What each reading counts in it: at zero, and in its slope.
+    pub shares_of_line: [[Shares; 2]; 2],
     /// All bars across had known lengths.
     pub calibrated: bool,
     /// Radial error motions u, v at the reference point of the axis, axial w, mm; empty when not measured.
@@ -323,6 +334,7 @@ impl AxisShapes {
         let mut found = Self {
             axis,
             line: [None, None],
+            shares_of_line: Default::default(),
             calibrated: [0, 1].iter().flat_map(|&k| across(k)).all(|(_, shape)| shape.calibrated),
             translation: [Vec::new(), Vec::new(), along],
             radial_at_mm: [None, None],
@@ -345,6 +357,8 @@ impl AxisShapes {
             let means: Vec<f64> = traces.iter().map(|(_, shape)| shape.mean_mm).collect();
             let u: Vec<f64> = traces.iter().map(|(_, shape)| shape.u_mean_mm).collect();
             found.line[k] = Some(over.line(&means, &u));
+            let shares: Vec<&Shares> = traces.iter().map(|(_, shape)| &shape.shares_of_mean).collect();
+            found.shares_of_line[k] = over.shares(&shares);
             found.radial_at_mm[k] = Some(0.0);
             // u = δ_u + ω_v h, v = δ_v − ω_u h.
             let (tilt, sign) = if k == 0 { (1, 1.0) } else { (0, -1.0) };

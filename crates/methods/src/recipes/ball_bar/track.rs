@@ -94,6 +94,8 @@ pub(super) struct Sample {
     pub moved_per_reading: f64,
     /// From the table's ball to the tool's, in u, v, w of the axis; of a path in table axes, mm.
     pub bar_mm: Vector3<f64>,
+    /// Number of the reading among those of all runs.
+    pub number: usize,
 }
 
 /// Every setup that is a measurement; of `asked` alone when given.
@@ -105,8 +107,8 @@ pub(super) fn recognised(method: &Method, runs: &[Run], asked: Option<Joint>) ->
     let what = format!("in no setup does a ball bar read {wanted} turning");
     let next =
         "Run a cycle such as config/cycles/s4-c.toml; circles of linear axes are for --method circular.";
-    Tracks::of(method, runs, (&what, next), |Mounted { name, run, setup, points, .. }, _| {
-        let seen = Seen::of(&run.machine, setup, points)?;
+    Tracks::of(method, runs, (&what, next), |Mounted { name, run, setup, points, numbers, .. }, _| {
+        let seen = Seen::of(&run.machine, setup, points, numbers)?;
         let track = seen.track(name, run.kind == RunKind::OnTheFly)?;
         match asked.is_none_or(|asked| track.kind.axis().is_some_and(|axis| axis.letter == asked)) {
             true => Ok(track),
@@ -134,6 +136,7 @@ struct Seen<'a> {
     machine: &'a Machine,
     setup: &'a Setup,
     points: &'a [&'a Point],
+    numbers: &'a [usize],
     /// Tool ball − table ball, machine axes, unit length.
     bars_in_machine: Vec<Vector3<f64>>,
     /// Tool ball, table axes, mm.
@@ -144,7 +147,12 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn of(machine: &'a Machine, setup: &'a Setup, points: &'a [&'a Point]) -> Result<Self, String> {
+    fn of(
+        machine: &'a Machine,
+        setup: &'a Setup,
+        points: &'a [&'a Point],
+        numbers: &'a [usize],
+    ) -> Result<Self, String> {
         if setup.instrument != InstrumentKind::BallBar {
             return Err(format!("is read by a {}, not by a ball bar", setup.instrument.name()));
         }
@@ -156,6 +164,7 @@ impl<'a> Seen<'a> {
             machine,
             setup,
             points,
+            numbers,
             bars_in_machine: Vec::new(),
             tool_in_table_mm: Vec::new(),
             bars_in_table: Vec::new(),
@@ -249,6 +258,7 @@ impl<'a> Seen<'a> {
                 moved_per_reading,
                 across_mm: balls[i].xy(),
                 bar_mm: bar * self.lengths_mm[i],
+                number: self.numbers[i],
             }
         });
         (kind, samples.collect())
@@ -278,6 +288,7 @@ impl<'a> Seen<'a> {
             moved_per_reading: 1.0,
             across_mm: Vector2::zeros(),
             bar_mm: self.bars_in_table[i] * self.lengths_mm[i],
+            number: self.numbers[i],
         };
         Ok((0..angles.len()).map(sample).collect())
     }

@@ -12,6 +12,7 @@ use super::track::{Axis, Kind, span};
 use crate::common::harmonics::{self, Harmonics};
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
+use std::f64::consts::TAU;
 use trunnion_core::convert::{deg_from_rad, um_from_mm};
 use trunnion_core::number::{fixed, signed};
 use trunnion_core::{AxisValues, Joint};
@@ -86,6 +87,9 @@ pub(super) fn findings(method: &Method, runs: &[Run], found: &Found<'_>, convent
         ..method.findings(runs, convention)
     }
 }
+
+/// An axis that went so many turns one way came by most of its angles again.
+const SECOND_TURN: f64 = 1.5;
 
 /// What several axes at once show.
 const PATH: &str = "several axes at once: location errors, positioning (encoder, worm pitch, compensation table), drives out of step, too short \
@@ -225,12 +229,35 @@ fn stands(of_axis: &AxisShapes, shapes: &[Shape]) -> Vec<String> {
     notes
 }
 
+/// What of drift the uncertainties of location errors hold.
+fn drift(found: &Found<'_>) -> Option<String> {
+    let once = |shape: &&Shape| shape.contours.len() < 2 && shape.turned_rad < SECOND_TURN * TAU;
+    let once = found.shapes.iter().filter(once).count();
+    let words = match (found.location.is_empty(), found.noise_is_known) {
+        (true, _) => return None,
+        (false, false) => {
+            "The readings do not show how the machine drifts. Uncertainties of location errors hold no drift from one setup to the next."
+                .into()
+        }
+        (false, true) if once > 0 => format!(
+            "Drift between setups is not seen: {once} of {} setups were read in one sweep. Uncertainties of location errors hold the drift and the \
+             steps that are usual for machines. Read each setup several times, both ways, to measure them.",
+            found.shapes.len()
+        ),
+        (false, true) => {
+            "Uncertainties of location errors hold drift, and steps from sweep to sweep and setup to setup, as the readings show them.".into()
+        }
+    };
+    Some(words)
+}
+
 fn notes(found: &Found<'_>) -> Vec<String> {
     let mut notes = vec![
-        "Each trace is centred: a shape that turns once with the axis counts as setting of the ball. Uncertainties come from \
-         what the centring leaves, shape included; a drift from one setup to the next is not in them."
+        "Each trace is centred: a shape that turns once with the axis counts as setting of the ball. Uncertainties of its mean and its \
+         circle come from what the centring leaves, shape included."
             .to_string(),
     ];
+    notes.extend(drift(found));
     if !found.axes.is_empty() {
         notes.push("Location errors hold where the other axes stood: errors of what carries the axis are part of them.".into());
     }
@@ -246,7 +273,7 @@ fn notes(found: &Found<'_>) -> Vec<String> {
             notes.push(format!("{letter} was read at one height: its tilt and the place of its line at other heights are not known. Measure a second height."));
         }
     }
-    let short = |shape: &&Shape| shape.kind != Kind::Path && shape.turned_rad < 0.9 * std::f64::consts::TAU;
+    let short = |shape: &&Shape| shape.kind != Kind::Path && shape.turned_rad < 0.9 * TAU;
     let short: Vec<String> = found
         .shapes
         .iter()
