@@ -17,6 +17,7 @@ mod circle;
 mod each_run;
 mod error_motions;
 mod fit;
+mod under_noise;
 mod values;
 
 use super::{Method, MethodError, MethodOptions};
@@ -45,6 +46,7 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let turning = Turning::of(&METHOD, &kept, options.axis)?;
     let heights = Heights::of(&METHOD, &turning)?;
     let each = each_run::evaluated(&METHOD, &turning, runs);
-    let found = values::findings(&METHOD, &turning, &heights, &each, runs, options.convention);
+    let u = under_noise::u_of_lines(&kept, &heights)?;
+    let found = values::findings(&METHOD, &turning, &heights, &each, u.as_deref(), runs, options.convention);
     Ok(lone::named(found, &outliers, runs, "The method"))
 }

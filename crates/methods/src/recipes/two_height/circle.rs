@@ -1,5 +1,6 @@
 //! Setting and centre of one height by least squares over u and v together [S0 §4.3].
 
+use crate::common::shares::Shares;
 use crate::common::turning::Turned;
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use trunnion_engine::solve::linear::least_squares;
@@ -11,9 +12,18 @@ pub(super) struct Circle {
     pub setting_mm: Vector2<f64>,
 }
 
+/// A circle through readings.
+pub(super) struct Through {
+    pub circle: Circle,
+    /// Standard uncertainties by the residual.
+    pub u: Circle,
+    /// What each reading counts in the centre.
+    pub shares_of_centre: [Shares; 2],
+}
+
 impl Circle {
-    /// Least squares over u and v together; `None` for too few readings. The second are standard uncertainties by the residual.
-    pub fn through(readings: &[Turned]) -> Option<(Self, Self)> {
+    /// Least squares over u and v together; `None` for too few readings.
+    pub fn through(readings: &[Turned]) -> Option<Through> {
         if readings.len() < 4 {
             return None;
         }
@@ -30,7 +40,21 @@ impl Circle {
             centre_mm: Vector2::new(x[0], x[1]),
             setting_mm: Vector2::new(x[2], x[3]),
         };
-        (fit.rank == 4).then(|| (circle(&fit.x), circle(&fit.u)))
+        let of_row = |row: usize| {
+            let reading = &readings[row / 2];
+            let share = |k: usize| Shares::of(reading.number, k, reading.moved_per_reading[(row % 2, k)]);
+            Shares::sum([0, 1, 2].map(share).iter().map(|share| (1.0, share)))
+        };
+        let shares_of_centre = || {
+            let read: Vec<Shares> = (0..b.len()).map(of_row).collect();
+            let mut of_all = Shares::of_fit(&a, &fit, &read).into_iter();
+            [(); 2].map(|()| of_all.next().unwrap_or_default())
+        };
+        (fit.rank == 4).then(|| Through {
+            circle: circle(&fit.x),
+            u: circle(&fit.u),
+            shares_of_centre: shares_of_centre(),
+        })
     }
 
     /// `c + R(θ) s`.

@@ -1,7 +1,8 @@
 //! What the readings of each height, and all heights together, say of the axis.
 
-use super::circle::Circle;
+use super::circle::{Circle, Through};
 use crate::common::over_height::{Line, Weights};
+use crate::common::shares::Shares;
 use crate::common::stations::Stations;
 use crate::common::turning::{Turned, Turning, TurningSet};
 use crate::recipes::{Method, MethodError};
@@ -20,6 +21,8 @@ pub(super) struct Heights {
     pub sets: Vec<HeightFit>,
     /// Place of the axis line over the height.
     pub centre: [Line; 2],
+    /// What each reading counts in it: at zero, and in its slope.
+    pub shares_of_centre: [[Shares; 2]; 2],
     /// Degrees of freedom of the u of these lines, at zero and of the slope; `None` where a height has a single pass.
     pub freedom: Option<[[usize; 2]; 2]>,
     /// Angles of the error motions.
@@ -46,6 +49,10 @@ pub(super) struct HeightFit {
     pub passes: Vec<(f64, Circle)>,
     /// Standard uncertainty of setting and centre; by the scatter of the passes, else by the residual.
     pub u: Circle,
+    /// What each reading counts in the centre.
+    pub shares_of_centre: [Shares; 2],
+    /// The error motion at each reading: its number, and what it makes of its components, mm.
+    pub motion_of_readings_mm: Vec<(usize, Vector3<f64>)>,
     /// True when `u` comes from the scatter of passes.
     pub repeated: bool,
     /// Mean place over angle as measured, u v w, mm; `None` at angles without readings.
@@ -87,18 +94,21 @@ impl Heights {
                 &sets.iter().map(|s| s.u.centre_mm[k]).collect::<Vec<_>>(),
             )
         });
+        let shares_of_centre = [0, 1]
+            .map(|k| over_height.shares(&sets.iter().map(|s| &s.shares_of_centre[k]).collect::<Vec<_>>()));
         let of_set: Vec<usize> = sets.iter().map(|set| set.passes.len().saturating_sub(1)).collect();
         let freedom = sets.iter().all(|set| set.repeated).then(|| {
             let u = |k: usize| sets.iter().map(|set| set.u.centre_mm[k]).collect::<Vec<_>>();
             [0, 1].map(|k| over_height.freedom(&u(k), &of_set))
         });
-        Ok(Self { freedom, ..Self::of_motions(sets, centre, &over_height, stations) })
+        Ok(Self { freedom, shares_of_centre, ..Self::of_motions(sets, centre, &over_height, stations) })
     }
 
     /// Error motions at the angles that every height has.
     fn of_motions(sets: Vec<HeightFit>, centre: [Line; 2], over: &Weights, stations: Stations) -> Self {
         let mut heights = Self {
             centre,
+            shares_of_centre: Default::default(),
             freedom: None,
             angles_rad: Vec::new(),
             translation_mm: Vec::new(),
@@ -143,7 +153,8 @@ impl HeightFit {
         let of_pass = |pass: usize| -> Vec<Turned> {
             set.readings.iter().filter(|r| r.pass == pass).copied().collect()
         };
-        let Some((all, u_residual)) = Circle::through(&set.readings) else {
+        let Some(Through { circle: all, u: u_residual, shares_of_centre }) = Circle::through(&set.readings)
+        else {
             return Err(method.lacks(
                 format!("setup {} has {} readings", set.name, set.readings.len()),
                 "Read more angles; a pose every 30° is the least that shows an error motion.",
@@ -152,7 +163,7 @@ impl HeightFit {
         let alone: Vec<Option<Circle>> = (0..set.passes)
             .map(of_pass)
             .map(|readings| (readings.len() >= LEAST_READINGS).then(|| Circle::through(&readings))?)
-            .map(|fit| fit.map(|(circle, _)| circle))
+            .map(|fit| fit.map(|through| through.circle))
             .collect();
         let direction =
             |pass: usize| set.readings.iter().find(|r| r.pass == pass).map_or(0.0, |r| r.direction);
@@ -179,6 +190,10 @@ impl HeightFit {
         let axial = mean(sums.iter().filter_map(PerPass::mean).map(|m| m.z));
         let motion_mm: Vec<_> =
             sums.iter().map(|s| s.mean().map(|m| m - Vector3::new(0.0, 0.0, axial))).collect();
+        let at = |reading: &Turned| motion_mm[stations.at(reading.angle_rad)?];
+        let of_reading =
+            |reading: &Turned| Some((reading.number, reading.moved_per_reading.transpose() * at(reading)?));
+        let motion_of_readings_mm = set.readings.iter().filter_map(of_reading).collect();
         let measured_mm = motion_mm
             .iter()
             .zip(&sums)
@@ -190,6 +205,8 @@ impl HeightFit {
             all,
             passes,
             u,
+            shares_of_centre,
+            motion_of_readings_mm,
             repeated,
             measured_mm,
             u_motion_mm: PerPass::u_of_mean(&sums),

@@ -20,6 +20,7 @@ pub(super) fn findings(
     turning: &Turning,
     heights: &Heights,
     each: &[OfRun],
+    u_under_noise: Option<&[f64]>,
     runs: &[Run],
     convention: Convention,
 ) -> Findings {
@@ -27,7 +28,11 @@ pub(super) fn findings(
     let located: Vec<Vec<FoundValue>> =
         each.iter().map(|run| location(turning, &run.heights, &signs)).collect();
     let over_runs = OverRuns::all(&located);
-    let mut values = of_few_passes(location(turning, heights, &signs), heights);
+    let found = location(turning, heights, &signs);
+    let mut values = match u_under_noise {
+        Some(u) => found.into_iter().zip(u).map(|(found, u)| FoundValue { u: Some(*u), ..found }).collect(),
+        None => of_few_passes(found, heights),
+    };
     if !over_runs.is_empty() {
         values = over_runs.iter().zip(values).map(|(of_runs, common)| of_runs.widened(common)).collect();
     }
@@ -52,7 +57,10 @@ pub(super) fn findings(
             .into_iter()
             .chain(charts(turning, heights, &signs))
             .collect(),
-        notes: each_run::doubt(&located).into_iter().chain(notes(turning, heights)).collect(),
+        notes: each_run::doubt(&located)
+            .into_iter()
+            .chain(notes(turning, heights, u_under_noise.is_some()))
+            .collect(),
         ..method.findings(runs, convention)
     }
 }
@@ -153,7 +161,7 @@ fn passes(turning: &Turning, heights: &Heights) -> FoundTable {
     FoundTable { caption: "Centre and setting of each pass".into(), columns, rows }
 }
 
-fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
+fn notes(turning: &Turning, heights: &Heights, noise_is_known: bool) -> Vec<String> {
     let axis = turning.axis;
     let places: Vec<_> =
         heights.sets.iter().map(|s| format!("{} {} mm", s.name, fixed(s.height_mm, 1))).collect();
@@ -176,11 +184,19 @@ fn notes(turning: &Turning, heights: &Heights) -> Vec<String> {
             "{axis} did not go around: slow error motions and the setting are separated less well than over a whole turn."
         ));
     }
-    if heights.sets.iter().all(|set| set.repeated) {
-        notes.push(
-            "Uncertainties hold what changes from pass to pass, widened by Student's t for few passes; a slow drift from one height to the next is not in them.".into(),
-        );
-    }
+    notes.push(
+        match (noise_is_known, heights.sets.iter().all(|set| set.repeated)) {
+            (true, _) => {
+                "Uncertainties of location errors hold drift, and steps from pass to pass and height to height. Where no reading shows these, they \
+                 hold what is usual for machines. What all readings of the run share, such as a drift that is slower, is in none."
+            }
+            (false, true) => {
+                "Uncertainties hold what changes from pass to pass, widened by Student's t for few passes; a slow drift from one height to the next is not in them."
+            }
+            (false, false) => "A slow drift from one height to the next is in no uncertainty.",
+        }
+        .into(),
+    );
     if heights.sets.iter().any(|set| !set.repeated) {
         notes.push(
             "A height has a single pass: its uncertainties come from the residual, which holds the error motions too; \
