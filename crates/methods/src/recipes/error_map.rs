@@ -38,8 +38,7 @@ use grid::Grid;
 use location::Locations;
 use trunnion_cycles::Run;
 use trunnion_effects::Model;
-use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, identify};
+use trunnion_engine::{Experiment, Problem};
 
 pub(super) static METHOD: Method = Method {
     name: "error-map",
@@ -63,9 +62,10 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let b_errors = BErrors::of(&METHOD, &grid)?;
     let c_errors = CErrors::of(&grid, &b_errors);
     let experiment = Experiment::new(runs)?;
-    let joint = identify(&experiment, &Model::base(&grid.machine.name), &Options::default())?;
-    let locations = Locations::of(&grid, &b_errors, &joint);
+    let problem = Problem::new(&experiment, &Model::base(&grid.machine.name))?;
+    let locations = Locations::of(&grid, &b_errors, problem.fit()).under_noise(&problem)?;
     let b_errors = b_errors.without_datum(&locations.datum);
+    let joint = problem.into_fit();
     let found = Found { grid: &grid, b_errors, c_errors, locations, joint, calibration };
     Ok(values::findings(&METHOD, runs, &found, options))
 }

@@ -24,6 +24,8 @@ pub(super) struct BErrors {
     pub design: DMatrix<f64>,
     /// (AᵀA)⁻¹.
     pub cofactor: DMatrix<f64>,
+    /// First column of the errors at each tilt.
+    pub of_tilt: Vec<usize>,
 }
 
 impl BErrors {
@@ -41,7 +43,8 @@ impl BErrors {
             grid.at_tilt(tilt).map(of_cell).collect()
         };
         let residual_mm = at_tilt.iter().enumerate().map(left).collect();
-        let errors = Self { at_tilt, u_at_tilt, offsets_mm, residual_mm, design, cofactor: fit.cofactor };
+        let (cofactor, of_tilt) = (fit.cofactor, order.of_tilt);
+        let errors = Self { at_tilt, u_at_tilt, offsets_mm, residual_mm, design, cofactor, of_tilt };
         let numbers =
             errors.at_tilt.iter().flat_map(|t| t.translation_mm.iter().chain(t.rotation_rad.iter()));
         if numbers.clone().any(|number| !number.is_finite()) {

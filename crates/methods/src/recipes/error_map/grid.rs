@@ -1,7 +1,8 @@
 //! Readings at rest gathered on the grid of both axes, repeats averaged.
 
 use super::nest_calibration::commanded_mm;
-use crate::common::relative::tool_against_table_mm;
+use crate::common::relative::{machine_from_reading, tool_against_table_mm};
+use crate::common::shares::Shares;
 use crate::common::stations::Stations;
 use crate::recipes::{Method, MethodError, one_machine};
 use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
@@ -45,6 +46,8 @@ pub(super) struct Cell {
     pub mean_mm: Vector3<f64>,
     /// Readings behind it.
     pub readings: usize,
+    /// What each reading counts in the sum of them, component by component.
+    pub shares_of_sum: [Shares; 3],
     /// The nest in machine axes, mm.
     pub nest_in_machine_mm: Point3<f64>,
     /// Machine axes from table axes.
@@ -65,8 +68,11 @@ impl<'a> Grid<'a> {
             return Err(method.lacks(found, "Use the joint fit (identify without --method)."));
         };
         let mut left_out = Vec::new();
-        let mut readings: Vec<(String, &Setup, &Point)> = Vec::new();
+        let mut readings: Vec<Reading<'_>> = Vec::new();
+        let mut next = 0;
         for (i, run) in runs.iter().enumerate() {
+            let first = next;
+            next += run.good_points().count();
             if run.kind == RunKind::OnTheFly {
                 left_out.push(format!("run {}: read on the fly", run.name));
                 continue;
@@ -78,22 +84,22 @@ impl<'a> Grid<'a> {
                     left_out.push(format!("setup {name}: read by a {}", setup.instrument.name()));
                     continue;
                 }
-                let of_setup = || run.good_points().filter(|p| p.state.setup == s);
-                let off_mm = of_setup().map(|p| commanded_mm(run, p).norm()).fold(0.0, f64::max);
+                let of_setup = || (first..).zip(run.good_points()).filter(|(_, p)| p.state.setup == s);
+                let off_mm = of_setup().map(|(_, p)| commanded_mm(run, p).norm()).fold(0.0, f64::max);
                 if off_mm > BESIDE_MM {
                     let found =
                         format!("in setup {name} the ball is commanded up to {off_mm:.1} mm off the nest");
                     return Err(method
                         .lacks(found, "Check the positions of the linear axes and the place of the nest."));
                 }
-                readings.extend(of_setup().map(|point| (name.clone(), setup, point)));
+                readings.extend(of_setup().map(|(number, point)| (name.clone(), setup, number, point)));
             }
         }
         let angles =
             |letter| Stations::of_grid(readings.iter().map(|(.., p)| p.state.position[letter]), false);
         let (tilts, turns) = (angles(tilting), angles(turning));
         let mut nests: Vec<(String, &Setup)> = Vec::new();
-        for (name, setup, _) in &readings {
+        for (name, setup, ..) in &readings {
             if !nests.iter().any(|(known, _)| known == name) {
                 nests.push((name.clone(), setup));
             }
@@ -158,6 +164,9 @@ impl<'a> Grid<'a> {
     }
 }
 
+/// Name of its setup, the setup, its number among the good readings of all runs.
+type Reading<'r> = (String, &'r Setup, usize, &'r Point);
+
 type Cells = Vec<Vec<Vec<Option<Cell>>>>;
 
 fn averaged(
@@ -165,12 +174,12 @@ fn averaged(
     [tilting, turning]: [Joint; 2],
     [tilts, turns]: [&Stations; 2],
     nests: &[(String, &Setup)],
-    readings: &[(String, &Setup, &Point)],
+    readings: &[Reading<'_>],
 ) -> (Option<f64>, Cells) {
     let (count_i, count_j) = (tilts.angles_rad.len(), turns.angles_rad.len());
     let mut cells: Cells = vec![vec![vec![None; nests.len()]; count_j]; count_i];
     let mut squares = vec![vec![vec![0.0; nests.len()]; count_j]; count_i];
-    for (name, setup, point) in readings {
+    for (name, setup, number, point) in readings {
         let position = &point.state.position;
         let Some((i, j)) = tilts.at(position[tilting]).zip(turns.at(position[turning])) else { continue };
         let Some(s) = nests.iter().position(|(known, _)| known == name) else { continue };
@@ -190,11 +199,17 @@ fn averaged(
         let cell = cells[i][j][s].get_or_insert_with(|| Cell {
             mean_mm: Vector3::zeros(),
             readings: 0,
+            shares_of_sum: Default::default(),
             nest_in_machine_mm: machine_from_table * setup.ball_in_table_mm,
             machine_from_table: machine_from_table.rotation,
             tilting: frames.0,
             turning: frames.1,
         });
+        let per_reading = table_from_machine.to_rotation_matrix().into_inner()
+            * machine_from_reading(machine, setup, point);
+        for (k, shares) in cell.shares_of_sum.iter_mut().enumerate() {
+            (0..3).for_each(|of| shares.add(*number, of, per_reading[(k, of)]));
+        }
         // Running mean and sum of squares (Welford).
         cell.readings += 1;
         let off = reading - cell.mean_mm;

@@ -7,12 +7,14 @@
 
 use super::b_errors::BErrors;
 use super::grid::Grid;
+use crate::common::shares::{Shares, u_under_noise};
+use crate::recipes::MethodError;
 use nalgebra::{DMatrix, DVector, Vector3};
 use trunnion_core::{Joint, LEVER_MM, Twist};
 use trunnion_effects::Unit;
 use trunnion_effects::catalogue::LOCATION_ERRORS;
 use trunnion_engine::solve::linear::least_squares;
-use trunnion_engine::{FittedParameter, Identification};
+use trunnion_engine::{FittedParameter, Identification, Made, Patterns, Problem};
 use trunnion_machine::propagation::JointFrame;
 
 /// Location errors by maps and by the joint fit.
@@ -29,8 +31,10 @@ pub(super) struct Location {
     pub name: String,
     pub unit: Unit,
     pub by_map: f64,
-    /// Standard uncertainty by how far the map is from constants.
+    /// Standard uncertainty under the noise that all readings show; where they show none by how far the map is from constants.
     pub u_by_map: f64,
+    /// What each reading counts in the value by the map.
+    pub shares: Shares,
     pub by_joint_fit: f64,
     pub u_by_joint_fit: Option<f64>,
 }
@@ -66,11 +70,22 @@ impl Locations {
             }
         }
         let fit = least_squares(&a, &b, 1e-7);
+        // Of every constant: of the map, then of the cells.
+        let from_cells = &fit.cofactor * a.transpose() * stacked_from_cells(b_errors);
+        let cells: Vec<(f64, &Shares)> = (0..grid.tilts_rad.len())
+            .flat_map(|tilt| grid.at_tilt(tilt))
+            .flat_map(|(.., cell)| cell.shares_of_sum.iter().map(|sum| ((cell.readings as f64).recip(), sum)))
+            .collect();
+        let shares = |k: usize| {
+            let of_cells = from_cells.row(k);
+            Shares::sum(of_cells.iter().zip(&cells).map(|(factor, (mean, sum))| (factor * mean, *sum)))
+        };
         let found = |(k, (parameter, ..)): (usize, &(&FittedParameter, Joint, Twist))| Location {
             name: parameter.name.clone(),
             unit: parameter.unit,
             by_map: fit.x[k],
             u_by_map: fit.u[k],
+            shares: shares(k),
             by_joint_fit: parameter.value.unwrap_or_default(),
             u_by_joint_fit: parameter.u,
         };
@@ -89,6 +104,32 @@ impl Locations {
             constants: part(0..first),
         }
     }
+}
+
+impl Locations {
+    /// With u under the noise that all readings show together, where they say what is noise. What varies over the map is a part of it: constants do
+    /// not describe it.
+    pub fn under_noise(mut self, problem: &Problem<'_>) -> Result<Self, MethodError> {
+        let shares: Vec<&Shares> = self.rows.iter().map(|row| &row.shares).collect();
+        let made = Made { patterns: Patterns::Noise, taken_off: 0 };
+        if let Some(u) = u_under_noise(problem, &shares, made)? {
+            self.rows.iter_mut().zip(u).for_each(|(row, u)| row.u_by_map = u);
+        }
+        Ok(self)
+    }
+}
+
+/// The map, stacked as it is fitted, from the means of the cells.
+fn stacked_from_cells(b_errors: &BErrors) -> DMatrix<f64> {
+    let from_cells = &b_errors.cofactor * b_errors.design.transpose();
+    let mut stacked = DMatrix::zeros(6 * b_errors.of_tilt.len(), from_cells.ncols());
+    for (tilt, &first) in b_errors.of_tilt.iter().enumerate() {
+        for k in 0..6 {
+            let lever = if k < 3 { 1.0 } else { LEVER_MM };
+            stacked.row_mut(6 * tilt + k).copy_from(&(from_cells.row(first + k) * lever));
+        }
+    }
+    stacked
 }
 
 /// Axis and unit twist of a location error of one of these axes by its name, `EX0C`.
