@@ -66,7 +66,8 @@ impl<'a> OverRuns<'a> {
         SQRT_2 * statistics::rms(self.of_runs.iter().filter_map(|found| found.u)).unwrap_or(0.0)
     }
 
-    fn differs(&self) -> bool {
+    /// Whether the runs disagree by more than their uncertainties.
+    pub fn differs(&self) -> bool {
         let ([low, high], runs) = (self.extent(), self.of_runs.len());
         is_significant(high - low, self.u_apart(), self.errors * runs * (runs - 1) / 2)
     }
@@ -78,11 +79,8 @@ impl<'a> OverRuns<'a> {
         format!("{} from {low} to {high} {}", self.of_runs[0].name, unit.text())
     }
 
-    /// The value of all heights together: where the runs differ, uncertain by how much the mean of other runs would be another.
+    /// The value of all heights together where the runs differ: uncertain by how much the mean of other runs would be another.
     pub fn widened(&self, common: FoundValue) -> FoundValue {
-        if !self.differs() {
-            return common;
-        }
         let count = self.of_runs.len() as f64;
         let mean = self.values().sum::<f64>() / count;
         let scatter = (self.values().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();

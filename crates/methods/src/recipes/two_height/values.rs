@@ -28,14 +28,14 @@ pub(super) fn findings(
     let located: Vec<Vec<FoundValue>> =
         each.iter().map(|run| location(turning, &run.heights, &signs)).collect();
     let over_runs = OverRuns::all(&located);
-    let found = location(turning, heights, &signs);
-    let mut values = match u_under_noise {
-        Some(u) => found.into_iter().zip(u).map(|(found, u)| FoundValue { u: Some(*u), ..found }).collect(),
-        None => of_few_passes(found, heights),
+    let by_passes = of_few_passes(location(turning, heights, &signs), heights);
+    let value = |(k, common): (usize, FoundValue)| match over_runs.get(k).filter(|of_runs| of_runs.differs())
+    {
+        // What the runs differ by is in the noise that they show together: it would count twice.
+        Some(of_runs) => of_runs.widened(common),
+        None => FoundValue { u: u_under_noise.map(|u| u[k]).or(common.u), ..common },
     };
-    if !over_runs.is_empty() {
-        values = over_runs.iter().zip(values).map(|(of_runs, common)| of_runs.widened(common)).collect();
-    }
+    let mut values: Vec<FoundValue> = by_passes.into_iter().enumerate().map(value).collect();
     values.extend(settings(turning, heights));
     let motions = error_motions(turning, heights, &signs);
     // They are judged together, so 5 % is the chance that noise makes any of them significant.
