@@ -1,4 +1,4 @@
-//! The lines of docs/measured/house.md: before and now, counted.
+//! The lines of docs/measured/house.md: before and now, counted. What keeps the program of a release small.
 
 use std::path::Path;
 use trunnion_tests::section::is_writing;
@@ -68,6 +68,16 @@ fn the_lines_of_each_crate_are_those_counted() {
             "{name}: {stated} lines stated, {lines} counted; TRUNNION_WRITE_DOCS=1 writes it"
         );
     }
+}
+
+/// A program with its symbols is a third larger. Cargo takes `strip` from the profile, and drops it for a package that has one of its own.
+#[test]
+fn the_program_of_a_release_is_stripped() {
+    let manifest = std::fs::read_to_string(workspace_root().join("Cargo.toml")).unwrap();
+    let release = &manifest.parse::<toml::Table>().unwrap()["profile"]["release"];
+    assert_eq!(release["strip"].as_bool(), Some(true));
+    let has_its_own = release["package"].get("trunnion-cli").is_some();
+    assert!(!has_its_own, "[profile.release.package.trunnion-cli] leaves the program unstripped");
 }
 
 /// Lines of the Rust files below a folder.

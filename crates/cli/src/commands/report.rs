@@ -74,7 +74,8 @@ struct IssuerArgs {
 fn country(text: &str) -> Result<String, String> {
     match text.as_bytes() {
         b"AA" | b"ZZ" | [b'Q', b'M'..=b'Z'] | [b'X', b'A'..=b'Z'] => {
-            Err("ISO 3166-1 gives this code to no country; allowed: two capital letters, such as DE or JP".into())
+            Err("ISO 3166-1 gives this code to no country; allowed: two capital letters, such as DE or JP"
+                .into())
         }
         [b'A'..=b'Z', b'A'..=b'Z'] => Ok(text.into()),
         _ => Err("allowed: two capital letters, such as DE or JP".into()),
