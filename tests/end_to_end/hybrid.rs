@@ -69,12 +69,12 @@ fn a_scale_error_of_a_leg_is_found_with_its_size_and_the_location_errors_with_it
         ("EA0A", 0.0),
         ("EX0C", 0.0),
     ];
-    for (name, put_in) in expected {
+    for (name, injected) in expected {
         let all = fit["parameters"].as_array().expect("parameters");
         let parameter = all.iter().find(|parameter| parameter["name"] == name).expect("identified");
         let number = |key: &str| parameter[key].as_f64().expect("a number");
-        let off = (number("value") - put_in) / number("u");
-        assert!(off.abs() < 4.0, "{name}: {} ± {} against {put_in}", number("value"), number("u"));
+        let off = (number("value") - injected) / number("u");
+        assert!(off.abs() < 4.0, "{name}: {} ± {} against {injected}", number("value"), number("u"));
     }
 }
 

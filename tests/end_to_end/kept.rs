@@ -83,10 +83,10 @@ fn a_diagnosis_is_taken_as_it_was_kept() {
     let text = std::fs::read_to_string(file).unwrap();
     let (head, body) = text.split_once('\n').unwrap();
     let body = body.replace("gravity-sag:B", "gravity-sag:A");
-    let beside = folder.path().join("body");
-    std::fs::write(&beside, &body).unwrap();
+    let body_file = folder.path().join("body");
+    std::fs::write(&body_file, &body).unwrap();
     let of = head.split_once(' ').unwrap().0;
-    std::fs::write(file, format!("{of} {}\n{body}", trunnion::sha256(&beside).unwrap())).unwrap();
+    std::fs::write(file, format!("{of} {}\n{body}", trunnion::sha256(&body_file).unwrap())).unwrap();
     let (after, _) = keeping(&keeps, &diagnose);
     assert!(before.contains("gravity-sag:B") && !before.contains("gravity-sag:A\""));
     assert!(after.contains("gravity-sag:A\""), "{after}");

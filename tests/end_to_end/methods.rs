@@ -228,7 +228,7 @@ fn a_ball_bar_gives_the_axes_of_c_and_b_from_two_files() {
     let b = simulate_on(folder.path(), "table-bc-y", "", "s4-b");
     let found = findings(folder.path(), &c, "ball-bar", &[&b]);
     // Of the truth: C carries the errors of B, which stands at zero.
-    for (name, put_in, within) in [
+    for (name, injected, within) in [
         ("EX0C", 8.0 - 12.0, 0.2),
         ("EY0C", 9.0, 0.2),
         ("EA0C", 25.0 + 40.0, 1.5),
@@ -238,7 +238,7 @@ fn a_ball_bar_gives_the_axes_of_c_and_b_from_two_files() {
         ("EA0B", 25.0, 1.5),
         ("EC0B", 18.0, 1.5),
     ] {
-        near(value(&found, name), put_in, within);
+        near(value(&found, name), injected, within);
     }
     let cone = simulate_on(folder.path(), "table-bc", "", "bk4-cone");
     let page = folder.path().join("cone.html").display().to_string();
@@ -248,7 +248,7 @@ fn a_ball_bar_gives_the_axes_of_c_and_b_from_two_files() {
 }
 
 #[test]
-fn error_motions_are_the_harmonics_that_were_put_in() {
+fn error_motions_are_the_injected_harmonics() {
     let lobed = "[[hidden]]\nid = \"radial-error-motion:C\"\namplitude = 3e-3\n\
                  shape = { lobes = 3.0, u_cos = 1.0, u_sin = 0.0, v_cos = 0.0, v_sin = 0.0 }\n\n";
     let folder = tempfile::tempdir().unwrap();

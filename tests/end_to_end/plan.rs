@@ -98,8 +98,8 @@ fn at_one_feed_backlash_and_lag_are_confused_and_the_planned_cycles_name_the_rig
         trunnion(folder, &["simulate", "truth.toml", "--cycle", "first.toml", "-o", "0.mcap"]);
         let mut runs = vec!["0.mcap".to_string()];
         let mut diagnosis = diagnose(folder, &runs);
-        let alike = confused(&diagnosis);
-        assert!(alike.contains(&right.into()) && alike.contains(&wrong.into()), "{alike:?}");
+        let rivals = confused(&diagnosis);
+        assert!(rivals.contains(&right.into()) && rivals.contains(&wrong.into()), "{rivals:?}");
 
         // Each cycle settles what it can; a second one whatever only another axis can tell.
         for round in ["1", "2", "3"] {
@@ -132,9 +132,9 @@ fn at_one_feed_backlash_and_lag_are_confused_and_the_planned_cycles_name_the_rig
 /// The first candidate and what it is confused with.
 fn confused(diagnosis: &Value) -> Vec<String> {
     let best = &diagnosis["candidates"][0];
-    let mut alike = vec![best["effect"].as_str().unwrap().to_string()];
-    alike.extend(strings(&best["confused_with"]).into_iter().map(String::from));
-    alike
+    let mut rivals = vec![best["effect"].as_str().unwrap().to_string()];
+    rivals.extend(strings(&best["confused_with"]).into_iter().map(String::from));
+    rivals
 }
 
 fn diagnose(folder: &Path, runs: &[String]) -> Value {

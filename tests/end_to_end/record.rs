@@ -77,8 +77,8 @@ async fn a_cycle_that_is_reset_is_kept_counted_and_not_judged() {
         .unwrap();
     assert!((1..stations.len() / 2).contains(&read), "{shown}");
 
-    let told = shown + &String::from_utf8_lossy(&output.stderr);
-    assert!(!told.contains(SECRET), "{told}");
+    let said = shown + &String::from_utf8_lossy(&output.stderr);
+    assert!(!said.contains(SECRET), "{said}");
     let written: Vec<_> = walk(&folder.path().join("runs"));
     for path in &written {
         let bytes = std::fs::read(path).unwrap();

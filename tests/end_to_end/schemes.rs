@@ -151,7 +151,7 @@ fn line(row: &Row, outcome: &Outcome) -> String {
 const DOCUMENT: &str = "docs/measured/schemes.md";
 
 #[test]
-fn every_scheme_finds_what_was_put_in_and_names_what_it_cannot_see() {
+fn every_scheme_finds_what_was_injected_and_names_what_is_not_observable() {
     let folder = tempfile::tempdir().unwrap();
     let mut wrong = Vec::new();
     let lines: String = rows().map(|row| line(row, &run(row, folder.path(), &mut wrong))).collect();

@@ -9,35 +9,35 @@
 
 mod algebra;
 mod best_set;
-mod weighed;
+mod evidence_of_gram;
 
 pub use algebra::{joined, off, orthonormal, parallel, turned};
 pub use best_set::{BestSet, best_set};
-pub use weighed::{Weighed, weighed};
+pub use evidence_of_gram::{Evidence, evidence_of_gram};
 
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
 use nalgebra::DMatrix;
 
 /// Blocks of turned columns side by side, each of its width.
-pub fn weigh_all(here: &Projected, columns: &DMatrix<Real>, widths: &[usize]) -> Vec<Weighed> {
-    weigh_grams(here, columns, &here.grams(columns, widths))
+pub fn evidence_of_each(here: &Projected, columns: &DMatrix<Real>, widths: &[usize]) -> Vec<Evidence> {
+    evidence_of_grams(here, columns, &here.grams(columns, widths))
 }
 
 /// The same where AᵀPA of the blocks is known.
-pub fn weigh_grams(here: &Projected, columns: &DMatrix<Real>, grams: &[DMatrix<f64>]) -> Vec<Weighed> {
+pub fn evidence_of_grams(here: &Projected, columns: &DMatrix<Real>, grams: &[DMatrix<f64>]) -> Vec<Evidence> {
     let on_readings = columns.tr_mul(&here.py).cast::<f64>();
     let white = here.sigma.white;
     let mut first = 0;
     let of_block = |gram: &DMatrix<f64>| {
         let of_block = on_readings.rows(first, gram.ncols()).into_owned();
         first += gram.ncols();
-        if gram.is_empty() { Weighed::NOTHING } else { weighed(gram, &of_block, white) }
+        if gram.is_empty() { Evidence::NOTHING } else { evidence_of_gram(gram, &of_block, white) }
     };
     grams.iter().map(of_block).collect()
 }
 
 /// One block of turned columns.
-pub fn weigh(here: &Projected, columns: &DMatrix<f64>) -> Weighed {
-    weigh_all(here, &columns.map(|x| x as Real), &[columns.ncols()])[0]
+pub fn evidence_of(here: &Projected, columns: &DMatrix<f64>) -> Evidence {
+    evidence_of_each(here, &columns.map(|x| x as Real), &[columns.ncols()])[0]
 }

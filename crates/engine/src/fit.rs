@@ -31,7 +31,7 @@ use crate::fit::structured::{Structured, structured};
 use crate::fit::uncertainty::{covariance, sums};
 use crate::noise::outliers::excluded;
 use crate::noise::repeatability::repeatability;
-use crate::noise::weights::{Weights, weigh};
+use crate::noise::weights::{Weights, weights_of};
 use crate::problem::design::Design;
 use crate::problem::passes::passes;
 use crate::problem::side_by_side::SideBySide;
@@ -75,7 +75,7 @@ pub(crate) fn identify_sharing(
     let searched = search_shapes(experiment, &mut joint, &everything, &weights, options)?;
     let (mut used, mut fit) = converge_robustly(&Design::new(experiment, &joint, &weights), options)?;
     for _ in 0..MOST_WEIGHINGS {
-        let (next, _) = weigh(experiment, &fit.residual_mm, &used, fit.datum.determined.len());
+        let (next, _) = weights_of(experiment, &fit.residual_mm, &used, fit.datum.determined.len());
         if next.like(&weights) {
             weights.reference_mm = next.reference_mm;
             break;
@@ -155,7 +155,7 @@ fn gather(
     let degrees_of_freedom = fit.degrees_of_freedom();
     let used_rows = (0..used.len()).filter(|&i| used[i]).flat_map(|i| experiment.rows_of(i));
     let squares: f64 = used_rows.map(|row| fit.residual_mm[row].powi(2)).sum();
-    let (_, noise_by_run) = weigh(experiment, &fit.residual_mm, used, determined.len());
+    let (_, noise_by_run) = weights_of(experiment, &fit.residual_mm, used, determined.len());
     Identification {
         machine: experiment.machine().name.clone(),
         runs: experiment.runs.clone(),

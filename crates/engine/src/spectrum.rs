@@ -350,9 +350,9 @@ impl Units<'_> {
 fn repeats(residual: &DVector<f64>) -> f64 {
     let squares = residual.norm_squared();
     let products: f64 = residual.as_slice().windows(2).map(|pair| pair[0] * pair[1]).sum();
-    let rho = if squares > 0.0 { (products / squares).clamp(0.0, MOST_ALIKE) } else { 0.0 };
+    let rho = if squares > 0.0 { (products / squares).clamp(0.0, MOST_CORRELATED) } else { 0.0 };
     (1.0 + rho) / (1.0 - rho)
 }
 
 /// Neighbours that are more alike than this are one.
-const MOST_ALIKE: f64 = 0.98;
+const MOST_CORRELATED: f64 = 0.98;

@@ -27,7 +27,7 @@ use density::Lines;
 use nalgebra::{DMatrix, DVector, Point3, RowDVector, Vector3};
 use trunnion_core::{AxisValues, Joint, Twist};
 use trunnion_effects::Model;
-use trunnion_engine::solve::words::spell;
+use trunnion_engine::solve::words::in_words;
 use trunnion_engine::{Experiment, Identification, IdentifyError};
 
 /// A null direction counts when it moves the map by more than this share of its largest part.
@@ -266,7 +266,7 @@ fn unseen(fit: &Identification, columns: &Columns, map: &DMatrix<f64>) -> Vec<Un
             let terms: Vec<(usize, f64)> = of_axes.iter().filter_map(term).collect();
             let names: Vec<(String, f64)> = of_axes.iter().map(|&i| direction.terms[i].clone()).collect();
             let moves = moves(&terms);
-            (!moves.is_empty()).then(|| Unseen { direction: spell(&names), moves })
+            (!moves.is_empty()).then(|| Unseen { direction: in_words(&names), moves })
         })
         .collect()
 }

@@ -100,8 +100,8 @@ pub fn notes(answer: &Volumetric) -> Vec<String> {
     }
     notes.push(density(answer));
     if answer.lower_bound {
-        let alike = answer.unseen.chunk_by(|a, b| a.moves == b.moves);
-        let mut lacks: Vec<String> = alike
+        let same = answer.unseen.chunk_by(|a, b| a.moves == b.moves);
+        let mut lacks: Vec<String> = same
             .map(|group| {
                 let directions: Vec<&str> = group.iter().map(|unseen| unseen.direction.as_str()).collect();
                 let moves = group.first().map_or(String::new(), |unseen| unseen.moves.join(", "));

@@ -27,7 +27,7 @@ pub use clock::{ClockLine, ClockTrack, Jump};
 pub use cycle_bounds::{Bound, CycleBounds, StartRule};
 pub use cycle_event::{CycleEvent, EndReason, Progress};
 pub use nest::NestCalibration;
-pub use retime::{Retiming, Stream, Survey};
+pub use retime::{Retiming, RetimingFit, Stream};
 pub use static_cycle::{DwellReader, DwellReading, StandsAt, StaticCycle, StaticRules};
 pub use sweep_cycle::{Course, SampleCounts, SweepCycle, SweepRules, at_feed};
 pub use sync_move::{MeanDelay, SyncMoveFinder, mean_delays};

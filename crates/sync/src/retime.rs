@@ -1,7 +1,7 @@
 //! The clocks of a whole run, once it is over.
 //!
 //! While a run goes on a line knows only the past: its first seconds are timed by the first arrivals. Afterwards every sample
-//! is timed by the line through the whole run [docs/design/protocols.md §4.1]. Two readings of the run: [`Survey`] takes every stamp, then
+//! is timed by the line through the whole run [docs/design/protocols.md §4.1]. Two readings of the run: [`RetimingFit`] takes every stamp, then
 //! [`Retiming`] gives every sample its time. One line for each connection, and one more after each jump of a clock.
 
 use crate::clock::{ClockLine, ClockTrack, Jump, Translation};
@@ -25,22 +25,22 @@ pub enum Stream {
 
 /// Takes the stamps of a run in the order in which they were recorded.
 #[derive(Debug, Default)]
-pub struct Survey {
-    streams: BTreeMap<Stream, StreamSurvey>,
+pub struct RetimingFit {
+    streams: BTreeMap<Stream, StreamFit>,
 }
 
 #[derive(Debug, Default)]
-struct StreamSurvey {
+struct StreamFit {
     samples: u64,
     held: u64,
     skew_s: f64,
     first_last_s: Option<(f64, f64)>,
-    lines: Vec<LineSurvey>,
+    lines: Vec<StampFit>,
 }
 
 /// One connection, up to a jump.
 #[derive(Debug)]
-struct LineSurvey {
+struct StampFit {
     epoch: u32,
     from_arrival: HostTime,
     tick_s: f64,
@@ -51,7 +51,7 @@ struct LineSurvey {
     pieces: Vec<(HostTime, ClockLine)>,
 }
 
-impl Survey {
+impl RetimingFit {
     /// Takes a displacement.
     pub fn probe(&mut self, sample: &ProbeSample) {
         let stream = self.streams.entry(Stream::Probe(sample.channel)).or_default();
@@ -68,13 +68,13 @@ impl Survey {
 
     /// The lines of the whole run, and how good they are; names, gaps and losses are the caller's to fill in.
     pub fn finish(self) -> (Retiming, BTreeMap<Stream, StreamTiming>) {
-        let timing = self.streams.iter().map(|(stream, survey)| (*stream, survey.timing())).collect();
-        let lines = self.streams.into_iter().map(|(stream, survey)| (stream, survey.segments())).collect();
+        let timing = self.streams.iter().map(|(stream, fit)| (*stream, fit.timing())).collect();
+        let lines = self.streams.into_iter().map(|(stream, fit)| (stream, fit.segments())).collect();
         (Retiming { lines }, timing)
     }
 }
 
-impl StreamSurvey {
+impl StreamFit {
     fn take(&mut self, time_s: f64, stamp: &Stamp, shows_clock: bool) {
         self.samples += 1;
         let (first_s, last_s) = self.first_last_s.unwrap_or((time_s, time_s));
@@ -84,13 +84,13 @@ impl StreamSurvey {
         }
         let arrival = host(stamp.arrival_s);
         if self.lines.last().is_none_or(|line| line.epoch != stamp.epoch) {
-            self.lines.push(LineSurvey::new(stamp, arrival));
+            self.lines.push(StampFit::new(stamp, arrival));
         }
         let Some(line) = self.lines.last_mut() else { return };
         if let Some(jump) = line.take(stamp.ticks, arrival) {
             // The track has begun its new line with the jump.
             line.ended = jump.before;
-            let mut new = LineSurvey::new(stamp, HostTime(jump.from.0 + 1));
+            let mut new = StampFit::new(stamp, HostTime(jump.from.0 + 1));
             std::mem::swap(&mut new.track, &mut line.track);
             self.lines.push(new);
         }
@@ -99,14 +99,14 @@ impl StreamSurvey {
     fn timing(&self) -> StreamTiming {
         let span_s = self.first_last_s.map_or(0.0, |(first, last)| last - first);
         let reported: f64 = self.lines.iter().map(|line| line.moments.count).sum();
-        let mean_of = |figure: &dyn Fn(&LineSurvey) -> Option<f64>| {
+        let mean_of = |figure: &dyn Fn(&StampFit) -> Option<f64>| {
             let known: Vec<(f64, f64)> =
                 self.lines.iter().filter_map(|line| Some((line.moments.count, figure(line)?))).collect();
             let weight: f64 = known.iter().map(|(weight, _)| weight).sum();
             (weight > 0.5 * reported && reported > 0.0)
                 .then(|| known.iter().map(|(w, x)| w * x).sum::<f64>() / weight)
         };
-        let squared = |figure: &dyn Fn(&LineSurvey) -> Option<f64>| {
+        let squared = |figure: &dyn Fn(&StampFit) -> Option<f64>| {
             mean_of(&|line| figure(line).map(|x| x * x)).map(f64::sqrt)
         };
         StreamTiming {
@@ -117,8 +117,8 @@ impl StreamSurvey {
                 // A clock that is fast has short ticks.
                 line.line().map(|line| -line.drift * 1e6).filter(|drift| *drift != 0.0)
             }),
-            jitter_before_s: squared(&LineSurvey::jitter_before_s),
-            jitter_after_s: squared(&LineSurvey::jitter_after_s),
+            jitter_before_s: squared(&StampFit::jitter_before_s),
+            jitter_after_s: squared(&StampFit::jitter_after_s),
             skew_s: self.skew_s,
             held: self.held,
             ..StreamTiming::default()
@@ -126,14 +126,14 @@ impl StreamSurvey {
     }
 
     fn segments(self) -> Vec<Segment> {
-        let segment = |line: LineSurvey| {
+        let segment = |line: StampFit| {
             Some(Segment { epoch: line.epoch, from_arrival: line.from_arrival, line: line.line()? })
         };
         self.lines.into_iter().filter_map(segment).collect()
     }
 }
 
-impl LineSurvey {
+impl StampFit {
     fn new(stamp: &Stamp, from_arrival: HostTime) -> Self {
         Self {
             epoch: stamp.epoch,
@@ -272,9 +272,9 @@ mod tests {
     #[test]
     fn a_whole_run_is_timed_from_its_first_sample_across_connections_and_jumps() {
         let run = stamps();
-        let mut survey = Survey::default();
-        run.iter().for_each(|(_, sample)| survey.probe(sample));
-        let (retiming, timing) = survey.finish();
+        let mut fit = RetimingFit::default();
+        run.iter().for_each(|(_, sample)| fit.probe(sample));
+        let (retiming, timing) = fit.finish();
         let timing = &timing[&Stream::Probe(0)];
         assert_eq!((timing.samples, timing.lines), (90_000, 4));
         let before = timing.jitter_before_s.unwrap();
@@ -292,15 +292,15 @@ mod tests {
     #[test]
     fn how_steady_the_line_is_shows_in_the_quarters_of_the_run() {
         // A clock that wanders by 100 µs and back over the run, read without delay.
-        let mut survey = Survey::default();
+        let mut fit = RetimingFit::default();
         for k in 0..60_000_u32 {
             let truth_s = f64::from(k) * 1e-3;
             let wander_s = 100e-6 * (truth_s / 60.0 * std::f64::consts::TAU).sin();
             let ticks = ((truth_s + wander_s + 7.0) * 1e9).round() as u64;
             let stamp = Stamp { epoch: 1, ticks, tick_s: 1e-9, arrival_s: truth_s };
-            survey.axes(&AxisSample { time_s: truth_s, stamp, ..AxisSample::default() });
+            fit.axes(&AxisSample { time_s: truth_s, stamp, ..AxisSample::default() });
         }
-        let timing = survey.finish().1;
+        let timing = fit.finish().1;
         let after = timing[&Stream::Axes].jitter_after_s.unwrap();
         assert!((10e-6..150e-6).contains(&after), "{after}");
     }

@@ -186,8 +186,8 @@ fn fit(channel: u16, readings: &[(f64, f64)], path: &[(f64, f64)]) -> Option<Syn
     let h = 0.5 * COARSE_S.max(path_step_s(path));
     let curvature = (squares(delay_s + h) + squares(delay_s - h) - 2.0 * line.square) / (h * h);
     // Neighbouring residuals are alike where the axes are interpolated: fewer independent readings [AR(1)].
-    let alike = ((1.0 + line.alike) / (1.0 - line.alike)).max(1.0);
-    let u_s = (2.0 * variance * alike / curvature).sqrt();
+    let correlation = ((1.0 + line.correlation) / (1.0 - line.correlation)).max(1.0);
+    let u_s = (2.0 * variance * correlation / curvature).sqrt();
     u_s.is_finite().then_some(SyncMoveDelay {
         channel,
         delay_s,
@@ -207,7 +207,7 @@ struct LineFit {
     square: f64,
     total: f64,
     /// Correlation of neighbouring residuals.
-    alike: f64,
+    correlation: f64,
 }
 
 /// Least squares of p = a + g·x(t − τ).
@@ -240,8 +240,9 @@ fn line_fit(readings: &[(f64, f64)], path: &[(f64, f64)], delay_s: f64) -> Optio
     let gain = xp / xx;
     let left: Vec<f64> = pairs.iter().map(|(x, p)| p - mean_p - gain * (x - mean_x)).collect();
     let square: f64 = left.iter().map(|e| e * e).sum();
-    let alike = left.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / square.max(f64::MIN_POSITIVE);
-    Some(LineFit { gain, square, total: pp, alike: alike.clamp(0.0, 0.99) })
+    let correlation =
+        left.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / square.max(f64::MIN_POSITIVE);
+    Some(LineFit { gain, square, total: pp, correlation: correlation.clamp(0.0, 0.99) })
 }
 
 /// The least of a function with one valley between a and b, to a millionth of their distance.

@@ -31,7 +31,7 @@ pub fn machine(name: &str) -> Result<Machine, Error> {
 }
 
 /// The machine that a file names: by a path from the folder of that file where there is one, else as it is.
-pub fn beside(file: &Path, machine: &str) -> String {
+pub fn next_to(file: &Path, machine: &str) -> String {
     let near = file.with_file_name(machine);
     if machine.ends_with(".toml") && near.is_file() { near.display().to_string() } else { machine.into() }
 }
@@ -45,7 +45,7 @@ pub fn with_machines<T>(
     read: impl FnOnce(&dyn Fn(&str) -> Option<Machine>) -> Result<T, Problems>,
 ) -> Result<T, Error> {
     let wrong = RefCell::new(None);
-    let read = read(&|name| match machine(&beside(setup, name)) {
+    let read = read(&|name| match machine(&next_to(setup, name)) {
         Ok(machine) => Some(machine),
         Err(error) => {
             wrong.replace(matches!(error, Error::Problems(_)).then_some(error));
@@ -109,23 +109,23 @@ pub fn write_whole(path: &Path, contents: &(impl AsRef<[u8]> + ?Sized)) -> Resul
     not_lost(path, Holds::of(contents))?;
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(format!(".{}.tmp", std::process::id()));
-    let beside: PathBuf = path.with_file_name(name);
+    let unfinished: PathBuf = path.with_file_name(name);
     let write = || {
         let mut options = OpenOptions::new();
         options.write(true).create(true).truncate(true);
         if let Ok(before) = std::fs::metadata(path) {
             options.mode(before.permissions().mode() & 0o777);
         }
-        let mut file = options.open(&beside)?;
+        let mut file = options.open(&unfinished)?;
         file.write_all(contents)?;
         file.sync_all()?;
-        std::fs::rename(&beside, path)?;
+        std::fs::rename(&unfinished, path)?;
         // The new name is not on the disk before its folder is.
         trunnion_record::sync_folder(path)
     };
     write().map_err(|error| {
         // The half-written file is of no use; the first error is the one to report.
-        std::fs::remove_file(&beside).ok();
+        std::fs::remove_file(&unfinished).ok();
         Error::write(path)(error)
     })
 }

@@ -31,7 +31,7 @@ const FORMED: [&str; 2] = ["samples", "unknown-dwell"];
 /// Fewer than two parts; parts of different cycles, machines or probes; parts that overlap, or that together hold fewer readings than
 /// alone, which parts of one cycle do not; a file that cannot be read or written.
 pub fn join(parts: &[PathBuf], output: &Path) -> Result<Joined, Error> {
-    let parts: Vec<Part> = parts.iter().map(|path| Part::survey(path)).collect::<Result<_, _>>()?;
+    let parts: Vec<Part> = parts.iter().map(|path| Part::read(path)).collect::<Result<_, _>>()?;
     let [first, later @ ..] = &parts[..] else { return Err(not_one(output, "no part was given")) };
     if later.is_empty() {
         return Err(not_one(output, "one part is a recording already; give two or more"));

@@ -78,7 +78,7 @@ pub(crate) fn read_next(
 ) -> Result<Recording, RecordError> {
     let header = trunnion_record::read_header(path)?;
     let plan = crate::recorded::plan_of(&header);
-    let (timing, gaps) = timing::survey(path, plan.as_ref())?;
+    let (timing, gaps) = timing::read(path, plan.as_ref())?;
     let forming = plan
         .filter(|plan| plan.cycle.run_kind() == RunKind::OnTheFly)
         .and_then(|plan| Forming::new(&plan, header.temperature_channels.len()).ok());
@@ -97,7 +97,7 @@ pub(crate) fn read_again(
     limits: Option<Limits>,
 ) -> Result<Option<Recording>, RecordError> {
     let Some(plan) = crate::recorded::plan_of(&header) else { return Ok(None) };
-    let (Some(timing), gaps) = timing::survey(path, Some(&plan))? else { return Ok(None) };
+    let (Some(timing), gaps) = timing::read(path, Some(&plan))? else { return Ok(None) };
     let Ok(mut forming) = Forming::new(&plan, header.temperature_channels.len()) else { return Ok(None) };
     // Standing still is not the end: what ended the run is over, and a program that waited went on.
     forming.set_held(true);

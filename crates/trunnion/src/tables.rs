@@ -29,7 +29,7 @@ pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Resu
     let not_written = |source| Error::NotRecorded { path: output.into(), source: Box::new(source) };
     let begin = |run: &Run| -> Result<RunWriter, Error> {
         let machine = parse_setup_file(&setup_file, &setup_text)?.machine;
-        let machine_text = files::machine_text(&files::beside(setup, &machine))?;
+        let machine_text = files::machine_text(&files::next_to(setup, &machine))?;
         let header = RunHeader::of_run(run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
         RunWriter::create(output, &header).map_err(not_written)
     };

@@ -12,7 +12,7 @@ use trunnion_engine::{Experiment, IdentifyError};
 use trunnion_record::{Item, RecordError, RunHeader, visit_samples};
 use trunnion_sync::plan::Plan;
 use trunnion_sync::time_quality::{StreamTiming, SyncMove, TimeQuality};
-use trunnion_sync::{Retiming, Stream, Survey, SyncMoveFinder, mean_delays};
+use trunnion_sync::{Retiming, RetimingFit, Stream, SyncMoveFinder, mean_delays};
 
 /// Delays at the start and at the end differ when they do by so many standard uncertainties.
 const DIFFERS: f64 = 5.0;
@@ -63,18 +63,18 @@ fn retimed(mut sample: AxisSample, retiming: &Retiming) -> AxisSample {
 ///
 /// # Errors
 /// A file that cannot be read.
-pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<(Option<Timing>, Gaps), RecordError> {
-    let mut survey = Survey::default();
+pub fn read(path: &Path, plan: Option<&Plan>) -> Result<(Option<Timing>, Gaps), RecordError> {
+    let mut fit = RetimingFit::default();
     let (mut gaps, mut stamped) = (Gaps::default(), false);
     let (header, _) = visit_samples(path, &mut |item| {
         match item {
             Item::Probe(sample) => {
                 stamped |= !sample.stamp.arrival_s.is_nan();
-                survey.probe(&sample);
+                fit.probe(&sample);
             }
             Item::Axes(sample) => {
                 stamped |= !sample.stamp.arrival_s.is_nan();
-                survey.axes(&sample);
+                fit.axes(&sample);
             }
             Item::Gap(gap) => gaps.take(gap),
             _ => {}
@@ -84,7 +84,7 @@ pub fn survey(path: &Path, plan: Option<&Plan>) -> Result<(Option<Timing>, Gaps)
     if !stamped {
         return Ok((None, gaps));
     }
-    let (retiming, mut streams) = survey.finish();
+    let (retiming, mut streams) = fit.finish();
     let (sync_moves, at_sync_move) = sync_moves(path, &retiming)?;
     let mut notes = Vec::new();
     let delays = mean_delays(&sync_moves);

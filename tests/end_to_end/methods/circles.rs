@@ -17,7 +17,7 @@ fn with_columns(text: &str, kept: &[&str]) -> String {
 }
 
 #[test]
-fn circles_name_the_errors_put_in_and_leave_what_the_list_lacks() {
+fn circles_name_the_injected_errors_and_leave_what_the_list_lacks() {
     let listed = hidden("squareness:XY", 3e-5, "sign = 1.0")
         + &hidden("linear-scale:X", 2e-5, "sign = 1.0")
         + &hidden("backlash:X", 4e-3, "sign = -1.0")
@@ -48,7 +48,7 @@ fn circles_name_the_errors_put_in_and_leave_what_the_list_lacks() {
 }
 
 #[test]
-fn a_circle_from_a_file_tells_the_same_as_the_run_it_came_from() {
+fn a_circle_from_a_file_gives_the_same_as_the_run_it_came_from() {
     let listed = hidden("backlash:X", 2e-3, "sign = -1.0") + &hidden("servo-lag:X", 4e-4, "sign = 1.0");
     let folder = tempfile::tempdir().unwrap();
     let run = simulate_on(folder.path(), "three-axis", &listed, "circle-xy");
@@ -70,7 +70,7 @@ fn a_circle_from_a_file_tells_the_same_as_the_run_it_came_from() {
     std::fs::write(&timed, with_columns(&text, &["setup", "time_s", "x_mm", "y_mm", "z_mm", "dr_um"]))
         .unwrap();
     done(&["import", &timed, "--setup", &setup, "-o", &by_time]);
-    for (run, servo, put_in) in [
+    for (run, servo, injected) in [
         (&run, "XY servo X−Y", 0.4),
         (&back, "XY servo X−Y", 0.4),
         (&by_time, "XY servo X−Y", 0.4),
@@ -78,7 +78,7 @@ fn a_circle_from_a_file_tells_the_same_as_the_run_it_came_from() {
     ] {
         let found = identified(run, "circular");
         near(value(&found, "XY backlash X"), -2.0, 0.3);
-        near(value(&found, servo), put_in, 0.07 * put_in);
+        near(value(&found, servo), injected, 0.07 * injected);
         let names = found["values"].as_array().unwrap().iter().map(|v| v["name"].as_str().unwrap());
         assert!(!names.into_iter().any(|name| name.contains("spike")), "{found}");
     }

@@ -6,7 +6,7 @@ use trunnion_core::reading::Message;
 use trunnion_core::{AxisSample, HostTime, Joint, ProbeSample, Stamp};
 use trunnion_hil_sim::devices::DeviceClock;
 use trunnion_sync::time_quality::SyncMove;
-use trunnion_sync::{Retiming, Stream, Survey, SyncMoveFinder, TimeBase, Timed, mean_delays};
+use trunnion_sync::{Retiming, RetimingFit, Stream, SyncMoveFinder, TimeBase, Timed, mean_delays};
 
 /// Samples of the first seconds of a connection are not looked at: the line of a running cycle is older.
 const SETTLED_S: f64 = MARGIN_S + 12.0;
@@ -126,13 +126,13 @@ pub fn of(
 
 fn take(messages: &[Message], truths: &[Truth], reference: Option<usize>) -> Taken {
     let mut base = TimeBase::new(HostTime(0));
-    let mut surveys: BTreeMap<usize, Survey> = BTreeMap::new();
+    let mut fits: BTreeMap<usize, RetimingFit> = BTreeMap::new();
     let (mut samples, mut probes, mut axes) = (Vec::new(), Vec::new(), Vec::new());
     for message in messages {
         let device = usize::from(message.device);
         match base.translate(message) {
             Some(Timed::Probe(sample)) => {
-                surveys.entry(device).or_default().probe(&sample);
+                fits.entry(device).or_default().probe(&sample);
                 probes.push((device, sample));
                 if sample.value_mm.is_finite() {
                     samples.push(Sample {
@@ -145,7 +145,7 @@ fn take(messages: &[Message], truths: &[Truth], reference: Option<usize>) -> Tak
                 }
             }
             Some(Timed::Axes(sample)) => {
-                surveys.entry(device).or_default().axes(&sample);
+                fits.entry(device).or_default().axes(&sample);
                 if Some(device) == reference {
                     axes.push((device, sample));
                 }
@@ -162,7 +162,7 @@ fn take(messages: &[Message], truths: &[Truth], reference: Option<usize>) -> Tak
             _ => {}
         }
     }
-    let lines = surveys.into_iter().map(|(device, survey)| (device, survey.finish().0)).collect();
+    let lines = fits.into_iter().map(|(device, fit)| (device, fit.finish().0)).collect();
     Taken { samples, probes, axes, lines }
 }
 

@@ -261,7 +261,7 @@ impl Library {
             }
             found.links += 1;
             let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
-            let linked = if file.is_empty() { path.to_path_buf() } else { beside(path, file) };
+            let linked = if file.is_empty() { path.to_path_buf() } else { next_to(path, file) };
             if !self.has(&linked) {
                 found.problems.push(format!("{target}: {} does not exist", linked.display()));
             } else if !anchor.is_empty()
@@ -327,7 +327,7 @@ fn anchor(title: &str) -> String {
 }
 
 /// `file` as the document at `path` names it.
-fn beside(path: &Path, file: &str) -> PathBuf {
+fn next_to(path: &Path, file: &str) -> PathBuf {
     let mut parts: Vec<&str> =
         path.parent().unwrap_or(path).iter().filter_map(|part| part.to_str()).collect();
     for part in file.split('/').filter(|part| *part != ".") {

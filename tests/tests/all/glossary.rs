@@ -8,7 +8,7 @@ mod passages;
 
 use crate::citations::{ROOT, files};
 use javascript::of_javascript;
-use passages::{Passage, of_markdown, of_rust, of_schema, of_toml};
+use passages::{Passage, names_of_rust, of_markdown, of_rust, of_schema, of_toml};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -108,6 +108,25 @@ fn users_read_the_words_of_the_glossary() {
     assert!(unused.is_empty(), "exceptions that nothing needs: {unused:?}");
 }
 
+/// Names in the code are searched too; of several words only those of users are asked for, for `noise_floor` is a verdict.
+#[test]
+fn names_have_the_words_of_the_glossary() {
+    let (mut problems, mut count) = (Vec::new(), 0);
+    for (path, text) in &files(Path::new(ROOT)) {
+        let path = path.to_str().unwrap();
+        if path.ends_with(".rs") {
+            for name in names_of_rust(text) {
+                count += 1;
+                let own = hits(&name).into_iter().filter(|hit| !hit.pattern.contains(' '));
+                problems
+                    .extend(own.map(|hit| format!("{path}:{}: \"{}\": say {}", hit.line, hit.text, hit.say)));
+            }
+        }
+    }
+    assert!(problems.is_empty(), "{} against docs/glossary.md:\n{}", problems.len(), problems.join("\n"));
+    assert!(count > 100_000, "{count} names");
+}
+
 #[test]
 fn sentences_are_short() {
     let mut problems = Vec::new();
@@ -174,6 +193,17 @@ fn a_replaced_word_is_found() {
     ] {
         assert_eq!(found(path, wrong), [expected], "{wrong}");
     }
+}
+
+#[test]
+fn a_replaced_word_in_a_name_is_found() {
+    let found = |text: &str| -> Vec<String> {
+        let names = names_of_rust(text);
+        names.iter().flat_map(hits).map(|hit| format!("{} {}", hit.line, hit.pattern)).collect()
+    };
+    assert_eq!(found("let a = 1;\nfn is_told_apart() { ALIKE }"), ["2 told", "2 alike"]);
+    assert_eq!(found("struct LineSurvey;"), ["1 survey*"]);
+    assert_eq!(found("// told\nlet retold = \"told\"; let tolder = r#\"told\"#;"), [""; 0]);
 }
 
 /// What users read of a file; empty for any other file.

@@ -79,7 +79,7 @@ fn shifted(run: &Run, by: isize) -> Run {
 
 #[test]
 fn readings_of_a_sweep_one_row_late_are_named_and_no_good_sweep_is_doubted() {
-    let (mut named, mut alike) = (0, 0);
+    let (mut named, mut confounded) = (0, 0);
     for seed in 0..SEEDS {
         let good = swept(seed, &[]).unwrap();
         assert_eq!(implausible(std::slice::from_ref(&good)), [], "seed {seed}");
@@ -93,13 +93,13 @@ fn readings_of_a_sweep_one_row_late_are_named_and_no_good_sweep_is_doubted() {
                     named += 1;
                 }
                 // Errors so small that a row changes nothing.
-                [] => alike += 1,
+                [] => confounded += 1,
                 several => panic!("seed {seed}: {several:?}"),
             }
         }
     }
-    println!("{named} named, {alike} alike");
-    assert!(named >= 4 * alike, "{named} named, {alike} alike");
+    println!("{named} named, {confounded} confounded");
+    assert!(named >= 4 * confounded, "{named} named, {confounded} confounded");
 }
 
 #[test]

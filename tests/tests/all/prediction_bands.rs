@@ -106,7 +106,7 @@ fn the_band_holds_95_percent_of_another_run_of_a_good_machine() {
 
 /// A machine whose offsets and drift are three to four times those of a good one: one run says too little of it, several say it.
 #[test]
-fn several_runs_tell_the_band_how_far_a_machine_wanders() {
+fn several_runs_show_the_band_how_far_a_machine_wanders() {
     let measured = Measured::on_the_grid();
     let good = Noise::real(measured.duration_s());
     let wanders = Noise { pass_offset_mm: 0.4e-3, drift_mm: 0.5e-3, ..good };

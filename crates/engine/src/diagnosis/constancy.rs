@@ -6,7 +6,7 @@
 
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::search::Found;
-use crate::diagnosis::view::{Item, columns_of, fitted, weighed_relearned};
+use crate::diagnosis::view::{Item, columns_of, evidence_relearned, fitted};
 use crate::evidence::{joined, orthonormal, turned};
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
@@ -30,7 +30,7 @@ pub fn is_constant(scan: &Scan<'_>, found: &Found, claim_ln: f64) -> bool {
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, block)) = best.filter(|(ln_bf, _)| *ln_bf > price) else { return true };
     let noise = found.last.relearned(scan, &block);
-    noise.is_none_or(|noise| weighed_relearned(&noise, &block).ln_bf <= price)
+    noise.is_none_or(|noise| evidence_relearned(&noise, &block).ln_bf <= price)
 }
 
 /// What an item explains with the others in the model, weighted.

@@ -5,9 +5,9 @@ use crate::diagnosis::named::natural_share;
 use crate::diagnosis::refine::{Shaped, refined, stretches};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::{SHAPE_MAY_ADD_LN, Scored, term_price_ln};
-use crate::diagnosis::view::{Item, Relearned, View, What, weighed_relearned};
+use crate::diagnosis::view::{Item, Relearned, View, What, evidence_relearned};
 use crate::diagnosis::vocabulary::{Screened, Term};
-use crate::evidence::{Weighed, parallel, turned, weigh};
+use crate::evidence::{Evidence, evidence_of, parallel, turned};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
@@ -56,7 +56,7 @@ fn finalists(scan: &Scan<'_>, view: &View, beat_ln: [f64; 2]) -> Vec<Screened> {
             let shape = screened.shape;
             scan.vocabulary.wider(&screened.term).into_iter().filter_map(move |term| {
                 let columns = columns(scan, &term, &family.grid[shape])?;
-                let ln_bf = weigh(here, &turned(&columns)).ln_bf - (family.grid.len() as f64).ln();
+                let ln_bf = evidence_of(here, &turned(&columns)).ln_bf - (family.grid.len() as f64).ln();
                 Some(Screened { term, shape, ln_bf })
             })
         };
@@ -119,7 +119,7 @@ impl<'a> Form<'a> {
         let mut start: Option<Shaped> = None;
         for shape in grid {
             let Some(columns) = columns(scan, &term, shape) else { continue };
-            let gain_ln = weigh(&noise.alone, &turned(&columns)).ln_bf;
+            let gain_ln = evidence_of(&noise.alone, &turned(&columns)).ln_bf;
             if start.as_ref().is_none_or(|best| gain_ln > best.gain_ln) {
                 start = Some(Shaped { shape: shape.clone(), columns, gain_ln });
             }
@@ -132,7 +132,7 @@ impl<'a> Form<'a> {
         let limits: Vec<(f64, f64)> = family.numbers.iter().map(|number| (number.low, number.high)).collect();
         let within = stretches(&family.grid, &self.start.shape, Some(&limits));
         let columns = |shape: &[f64]| columns(scan, &self.term, shape);
-        let gain_ln = |columns: &DMatrix<f64>| weigh(&self.noise.alone, &turned(columns)).ln_bf;
+        let gain_ln = |columns: &DMatrix<f64>| evidence_of(&self.noise.alone, &turned(columns)).ln_bf;
         let Shaped { shape, columns, .. } = refined(self.start.clone(), &within, columns, gain_ln);
         scored(scan, view, self.term.clone(), shape, columns, self.noise)
     }
@@ -148,12 +148,12 @@ fn scored(
     noise: &Arc<Relearned>,
 ) -> Scored {
     let block = turned(&columns);
-    let weighed = weighed_relearned(noise, &block);
+    let evidence = evidence_relearned(noise, &block);
     let natural = scan.vocabulary.families[term.family].natural;
     let noticeable = !natural || view.share(scan, noise, &block) > natural_share(scan, view);
-    let ln_odds = weighed.ln_bf - term_price_ln(scan, &term, &shape);
+    let ln_odds = evidence.ln_bf - term_price_ln(scan, &term, &shape);
     let item = Item { what: What::Open(term), shape, columns, ln_odds };
-    let Weighed { ln_bf, fit_ln } = weighed;
+    let Evidence { ln_bf, fit_ln } = evidence;
     Scored { item, ln_bf, fit_ln, noise: noise.clone(), noticeable }
 }
 

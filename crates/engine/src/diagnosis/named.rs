@@ -3,9 +3,9 @@
 use crate::diagnosis::refine::{Shaped, refined, stretches};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::{Scored, shape_price_ln};
-use crate::diagnosis::view::{Item, OnGrid, View, What, weighed_relearned};
+use crate::diagnosis::view::{Item, OnGrid, View, What, evidence_relearned};
 use crate::diagnosis::views::Seen;
-use crate::evidence::{turned, weigh, weigh_all};
+use crate::evidence::{evidence_of, evidence_of_each, turned};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
@@ -50,12 +50,12 @@ pub fn first_named(
 /// it is the first harmonic of an encoder.
 fn plainest_first(scan: &Scan<'_>, scored: &mut [Scored]) {
     let Some(best) = scored.first().map(|scored| scored.item.ln_odds) else { return };
-    let alike = scored.iter().take_while(|scored| scored.item.ln_odds > best - BARE_MENTION_LN).count();
+    let close = scored.iter().take_while(|scored| scored.item.ln_odds > best - BARE_MENTION_LN).count();
     let most_columns = |scored: &Scored| match scored.item.what {
         What::Named(group) => scan.widths[scan.named[group].parts.clone()].iter().max().copied(),
         What::Open(_) => None,
     };
-    scored[..alike].sort_by_key(most_columns);
+    scored[..close].sort_by_key(most_columns);
 }
 
 fn worth_it(scan: &Scan<'_>, view: &View, but: &[usize], claim_ln: f64, most: [usize; 2]) -> Vec<usize> {
@@ -91,13 +91,13 @@ fn scored(scan: &Scan<'_>, view: &View, group: usize) -> Option<Scored> {
     let first = scan.widths[..named.parts.start].iter().sum::<usize>();
     let widths = &scan.widths[named.parts.clone()];
     let own = scan.columns.columns(first, widths.iter().sum()).into_owned();
-    let scores = weigh_all(&noise.alone, &own, widths);
+    let scores = evidence_of_each(&noise.alone, &own, widths);
     let ln: Vec<f64> = scores.iter().map(|score| score.ln_bf).collect();
     let best = (0..ln.len()).max_by(|&a, &b| ln[a].total_cmp(&ln[b]))?;
     let averaged = (named.averaged(&ln) + noise.offset_ln).max(on_grid.ln_bf);
     let (shape, columns) = best_shape(scan, &noise.alone, group, best);
     let block = turned(&columns);
-    let at_best = weighed_relearned(&noise, &block);
+    let at_best = evidence_relearned(&noise, &block);
     let ln_bf = averaged.max(at_best.ln_bf - shape_price_ln(named.tries, &shape));
     let least = natural_share(scan, view);
     let noticeable = !named.natural || view.share(scan, &noise, &block) > least;
@@ -125,7 +125,7 @@ fn best_shape(
     if !named.shapes.continuous || named.shapes.grid.len() < 2 || first.ncols() == 0 {
         return (shape, first);
     }
-    let gain_ln = |columns: &DMatrix<f64>| weigh(alone, &turned(columns)).ln_bf;
+    let gain_ln = |columns: &DMatrix<f64>| evidence_of(alone, &turned(columns)).ln_bf;
     let within = stretches(&named.shapes.grid, &shape, None);
     let start = Shaped { gain_ln: gain_ln(&first), shape, columns: first };
     let Shaped { shape, columns, .. } = refined(start, &within, columns, gain_ln);

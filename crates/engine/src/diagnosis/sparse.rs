@@ -5,7 +5,7 @@ use crate::diagnosis::refine::{Shaped, refined, stretches};
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::scored::{Scored, shape_price_ln};
 use crate::diagnosis::view::Relearned;
-use crate::evidence::{BestSet, best_set, parallel, turned, weigh};
+use crate::evidence::{BestSet, best_set, evidence_of, parallel, turned};
 use crate::noise::learned::sigma::Projected;
 use nalgebra::DMatrix;
 
@@ -39,7 +39,7 @@ fn best_set_and_shape(
     let on_grid = parallel(grid.len(), at).into_iter().flatten();
     let (set, shape) = on_grid.chain([first]).max_by(|a, b| a.0.ln_bf.total_cmp(&b.0.ln_bf))?;
     let of_set = |shape: &[f64]| Some(columns(shape)?.select_columns(&set.columns));
-    let gain_ln = |columns: &DMatrix<f64>| weigh(here, &turned(columns)).ln_bf - set.price_ln;
+    let gain_ln = |columns: &DMatrix<f64>| evidence_of(here, &turned(columns)).ln_bf - set.price_ln;
     let within = stretches(grid, &shape, None);
     let start = Shaped { columns: of_set(&shape)?, gain_ln: set.ln_bf, shape };
     let Shaped { shape, gain_ln, .. } = refined(start, &within, of_set, gain_ln);

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::scan::Scan;
 use crate::diagnosis::vocabulary::Term;
-use crate::evidence::{Weighed, joined, orthonormal, parallel, weigh, weigh_grams};
+use crate::evidence::{Evidence, evidence_of, evidence_of_grams, joined, orthonormal, parallel};
 use crate::noise::learned::Real;
 use crate::noise::learned::mode::{Effort, Mode};
 use crate::noise::learned::sigma::{Projected, Sigma};
@@ -112,7 +112,7 @@ impl View {
         let quiet = Projected::new(readings.sigma(&x)?, &scan.remainder.y, &basis)?;
         let at = [&null.here, &quiet];
         let mut grams = parallel(at.len(), |i| at[i].grams(&scan.columns, &scan.widths));
-        let [at_null, at_quiet] = [0, 1].map(|i| weigh_grams(at[i], &scan.columns, &grams[i]));
+        let [at_null, at_quiet] = [0, 1].map(|i| evidence_of_grams(at[i], &scan.columns, &grams[i]));
         let named = on_grid(scan, &basis, &at_null, &at_quiet);
         add_once(&mut near, &null.here.sigma);
         Some(Self { chosen, basis, null, quiet, named, grams: grams.swap_remove(0), near })
@@ -120,7 +120,7 @@ impl View {
 
     /// ln Bayes factor of turned columns at the learned noise or in a quiet one, whichever is larger.
     pub fn ln_bf(&self, columns: &DMatrix<f64>) -> f64 {
-        weigh(&self.null.here, columns).ln_bf.max(weigh(&self.quiet, columns).ln_bf)
+        evidence_of(&self.null.here, columns).ln_bf.max(evidence_of(&self.quiet, columns).ln_bf)
     }
 
     /// Learns the noise with columns in the model.
@@ -163,7 +163,12 @@ pub fn add_once(near: &mut Vec<Arc<Sigma>>, sigma: &Arc<Sigma>) {
     }
 }
 
-fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, at_null: &[Weighed], at_quiet: &[Weighed]) -> Vec<OnGrid> {
+fn on_grid(
+    scan: &Scan<'_>,
+    basis: &DMatrix<Real>,
+    at_null: &[Evidence],
+    at_quiet: &[Evidence],
+) -> Vec<OnGrid> {
     let on_basis = basis.transpose() * &scan.columns;
     let total = scan.remainder.y.len() as Real;
     let left: Vec<Real> =
@@ -177,7 +182,7 @@ fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, at_null: &[Weighed], at_quiet
         })
         .collect();
     let of_named = |named: &crate::diagnosis::scan::Named| {
-        let best = |scores: &[Weighed]| {
+        let best = |scores: &[Evidence]| {
             let own = &scores[named.parts.clone()];
             let ln: Vec<f64> = own.iter().map(|score| score.ln_bf).collect();
             let best = (0..own.len()).max_by(|&a, &b| ln[a].total_cmp(&ln[b])).unwrap_or(0);
@@ -194,9 +199,9 @@ fn on_grid(scan: &Scan<'_>, basis: &DMatrix<Real>, at_null: &[Weighed], at_quiet
 }
 
 /// What turned columns say at a noise learned with some columns in the model: with its price against nothing more.
-pub fn weighed_relearned(noise: &Relearned, columns: &DMatrix<f64>) -> Weighed {
-    let plain = weigh(&noise.alone, columns);
-    Weighed { ln_bf: plain.ln_bf + noise.offset_ln, fit_ln: plain.fit_ln + noise.offset_ln }
+pub fn evidence_relearned(noise: &Relearned, columns: &DMatrix<f64>) -> Evidence {
+    let plain = evidence_of(&noise.alone, columns);
+    Evidence { ln_bf: plain.ln_bf + noise.offset_ln, fit_ln: plain.fit_ln + noise.offset_ln }
 }
 
 /// Columns of several items together.

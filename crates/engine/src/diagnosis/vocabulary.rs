@@ -6,7 +6,7 @@
 use crate::Experiment;
 use crate::diagnosis::families::{Carriers, Family, families};
 use crate::diagnosis::refine::readable;
-use crate::evidence::{parallel, weighed};
+use crate::evidence::{evidence_of_gram, parallel};
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
 use crate::noise::machine_noise::{Order, ground_joint, modulated, unit_columns};
@@ -176,8 +176,8 @@ impl Vocabulary {
                 (0..points).map(|i| f64::from(factors[(i, a)] * squares[i] * factors[(i, b)])).sum()
             });
             let turn = inverse_root(&own) * (rows as f64).sqrt();
-            let weighed = weighed(&(turn.transpose() * gram * &turn), &turn.tr_mul(&z), white);
-            scores.push((place.family, place.shape, weighed.ln_bf));
+            let evidence = evidence_of_gram(&(turn.transpose() * gram * &turn), &turn.tr_mul(&z), white);
+            scores.push((place.family, place.shape, evidence.ln_bf));
         }
         let of_family = |family: &[(usize, usize, f64)]| {
             let best = family.iter().max_by(|a, b| a.2.total_cmp(&b.2)).expect("a chunk is not empty");

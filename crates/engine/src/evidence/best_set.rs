@@ -1,7 +1,7 @@
 //! Evidence of a block of which some columns may be absent: a carriage that swings need not nod (docs/design/statistics.md §4.3).
 
 use super::algebra::{NO_DIRECTION, turn};
-use super::weighed::weighed;
+use super::evidence_of_gram::evidence_of_gram;
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
 use nalgebra::DMatrix;
@@ -32,7 +32,7 @@ pub fn best_set(here: &Projected, columns: &DMatrix<f64>) -> Option<BestSet> {
         let within = |of: &DMatrix<f64>| of.select_rows(set).select_columns(set);
         let turn = turn(&within(&overlap), NO_DIRECTION);
         let gram = turn.transpose() * within(&gram) * &turn;
-        weighed(&gram, &turn.tr_mul(&on_readings.select_rows(set)), white).ln_bf
+        evidence_of_gram(&gram, &turn.tr_mul(&on_readings.select_rows(set)), white).ln_bf
     };
     let without =
         |set: &[usize], column: usize| set.iter().copied().filter(|c| *c != column).collect::<Vec<_>>();

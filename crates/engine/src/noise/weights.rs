@@ -22,7 +22,7 @@ use trunnion_cycles::RunKind;
 const MEDIAN_OF_CHI_SQUARE: f64 = 0.4549;
 const FINEST_MM: f64 = 1e-6;
 /// ω that differ by less than this are one.
-const ALIKE: f64 = 0.05;
+const SAME_WITHIN: f64 = 0.05;
 const MOST_EXACT: f64 = 10.0;
 const BISECTIONS: usize = 50;
 /// Autocorrelation that counts as none, and the longest lag looked at.
@@ -46,12 +46,12 @@ impl Weights {
 
     /// True when a fit with one is as good as a fit with the other.
     pub fn like(&self, other: &Self) -> bool {
-        self.root.iter().zip(&other.root).all(|(a, b)| (a / b - 1.0).abs() < ALIKE)
+        self.root.iter().zip(&other.root).all(|(a, b)| (a / b - 1.0).abs() < SAME_WITHIN)
     }
 }
 
 /// Noise of each group by a residual, and the weights that follow from it.
-pub(crate) fn weigh(
+pub(crate) fn weights_of(
     experiment: &Experiment,
     residual_mm: &DVector<f64>,
     used: &[bool],

@@ -11,7 +11,7 @@ use trunnion_cycles::{Run, RunKind};
 
 /// Share of the rows of a setup that equal those of another: of two measurements only a coarse display makes some rows equal,
 /// and all where it hides the noise.
-const ALIKE_SHARE: f64 = 0.9;
+const SAME_SHARE: f64 = 0.9;
 
 /// Rows that are named.
 const ROWS_SHOWN: usize = 4;
@@ -130,14 +130,14 @@ fn held_in(run: &Run, setup: usize, rows: &[usize], of: usize) -> Implausible {
 fn setups(run: &Run) -> Option<Implausible> {
     let of = |setup: usize| run.points.iter().filter(move |point| point.state.setup == setup);
     let pairs = (0..run.setups.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
-    let mut alike = pairs.map(|(a, b)| {
+    let mut compared = pairs.map(|(a, b)| {
         let count = of(a).count().min(of(b).count());
         (a, b, count, of(a).zip(of(b)).filter(|(a, b)| a.reading_mm == b.reading_mm).count())
     });
     let is_copy = |(_, _, count, same): &(usize, usize, usize, usize)| {
-        *count >= FEWEST && *same as f64 > ALIKE_SHARE * *count as f64
+        *count >= FEWEST && *same as f64 > SAME_SHARE * *count as f64
     };
-    let (a, b, count, same) = alike.find(is_copy)?;
+    let (a, b, count, same) = compared.find(is_copy)?;
     (Shown::of(&run.setups[a], of(a)).is_alive() && would_differ(run, a)).then(|| {
         plain(
             format!(

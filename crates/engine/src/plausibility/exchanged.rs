@@ -76,8 +76,8 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
                      Look for another mistake, alone or with it, before you change anything."
                 )
             }
-            (Some((mirror, told_apart)), _) => {
-                format!("With {mistake}, or {mirror}, {left_um:.1} µm are left. {told_apart}")
+            (Some((mirror, distinguished_by)), _) => {
+                format!("With {mistake}, or {mirror}, {left_um:.1} µm are left. {distinguished_by}")
             }
             (None, _) => format!("With {mistake}, {left_um:.1} µm are left. {to_do}"),
         };

@@ -39,7 +39,7 @@ impl Mirror {
     }
 
     /// What tells the two apart: nothing in the positions does.
-    pub fn told_apart(&self) -> String {
+    pub fn distinguished_by(&self) -> String {
         let turns: Vec<String> = self.rotary.iter().map(|axis| format!("+{axis}")).collect();
         format!(
             "Positions cannot distinguish these: they are mirror images, and in the wrong one values have the wrong sign. Look at the machine first: jog {} \

@@ -76,7 +76,7 @@ fn of_run(run: &Run) -> Option<Implausible> {
         Some((mistakes, left_mm)) => {
             let left = if of_bar { "off" } else { "apart" };
             let change = match mirrored::either_side(&claim) {
-                Some(mirror) => mirror.told_apart(),
+                Some(mirror) => mirror.distinguished_by(),
                 None => "Change it?".into(),
             };
             format!("With {mistakes} they are {left_mm:.1} mm {left}. {change}")
@@ -125,8 +125,8 @@ fn tried(run: &Run, rows: &[usize]) -> Vec<(String, f64)> {
 /// What is off with the best mistake undone, mm, and every mistake that undoes it equally well: positions alone cannot choose.
 fn explained(tried: Vec<(String, f64)>) -> Option<(String, f64)> {
     let best_mm = tried.iter().map(|(_, rms_mm)| *rms_mm).fold(f64::INFINITY, f64::min);
-    let alike = tried.into_iter().filter(|(_, rms_mm)| *rms_mm < 2.0 * best_mm + 0.01);
-    let listed: Vec<String> = alike.map(|(mistake, _)| mistake).take(MOST_LISTED).collect();
+    let same = tried.into_iter().filter(|(_, rms_mm)| *rms_mm < 2.0 * best_mm + 0.01);
+    let listed: Vec<String> = same.map(|(mistake, _)| mistake).take(MOST_LISTED).collect();
     (best_mm < TOGETHER_MM).then(|| (listed.join(", or "), best_mm))
 }
 

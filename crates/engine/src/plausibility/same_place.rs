@@ -14,13 +14,13 @@ use trunnion_cycles::Run;
 pub(super) fn implausible(run: &Run) -> Option<Implausible> {
     let setups = &run.setups;
     let pairs = (0..setups.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
-    let mut alike = pairs.filter(|&(a, b)| is_same(&setups[a], &setups[b])).peekable();
-    alike.peek()?;
+    let mut same = pairs.filter(|&(a, b)| is_same(&setups[a], &setups[b])).peekable();
+    same.peek()?;
     let looked = Looked::at(run)?;
     let columns = columns(&looked.experiment)?;
     let readings_mm = looked.experiment.readings_mm();
     let left_mm = looked.model.rms_mm(&readings_mm);
-    alike.find_map(|(a, b)| {
+    same.find_map(|(a, b)| {
         let mut own = columns.clone();
         for (at, point) in looked.experiment.points.iter().enumerate() {
             let share = f64::from(u8::from(point.state.setup == b));

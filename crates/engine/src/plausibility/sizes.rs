@@ -50,8 +50,8 @@ fn bar_zero(run: &Run) -> Option<Implausible> {
         run.good_points().filter(|point| setup(point).reads_calibrated_length()).collect();
     let lengths_mm: Vec<f64> = of_bars.iter().map(|point| length(point)).collect();
     lengths_mm.chunk_by(|a, b| a == b).find_map(|of_one| {
-        let alike = of_bars.iter().filter(|point| length(point) == of_one[0]);
-        let readings_mm: Vec<f64> = alike.map(|point| point.reading_mm[0]).collect();
+        let same_length = of_bars.iter().filter(|point| length(point) == of_one[0]);
+        let readings_mm: Vec<f64> = same_length.map(|point| point.reading_mm[0]).collect();
         let zero_mm = statistics::median(&readings_mm)?;
         let off_mm = readings_mm.iter().map(|mm| mm - zero_mm);
         let near: Vec<f64> = off_mm.filter(|mm| mm.abs() < SET_BY_HAND_MM).collect();

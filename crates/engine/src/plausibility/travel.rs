@@ -19,7 +19,7 @@ use trunnion_core::{InstrumentKind, Point};
 use trunnion_cycles::Run;
 
 /// Shares that differ by less are one.
-const ALIKE: f64 = 0.01;
+const SAME_WITHIN: f64 = 0.01;
 /// Deviations from the target follow its travel by no more than this, also in another unit.
 const DEVIATION: f64 = 0.05;
 /// Travel that can be told from errors of the axes, mm, root mean square.
@@ -85,7 +85,7 @@ impl<'a> Line<'a> {
 
     fn implausible(&self) -> Option<Implausible> {
         if let Some(travel) = self.travel()
-            && travel.dot(&self.direction) < 1.0 - ALIKE
+            && travel.dot(&self.direction) < 1.0 - SAME_WITHIN
         {
             return Some(self.elsewhere(&travel));
         }
@@ -94,7 +94,7 @@ impl<'a> Line<'a> {
             return None;
         }
         let share = self.nominal_mm.dot(&self.readings_mm) / self.nominal_mm.norm_squared();
-        let is = |factor: f64| (share / factor - 1.0).abs() < ALIKE;
+        let is = |factor: f64| (share / factor - 1.0).abs() < SAME_WITHIN;
         if is(1.0) {
             return self.no_deviation().or_else(|| self.no_targets());
         }
@@ -141,7 +141,7 @@ impl<'a> Line<'a> {
 
     fn elsewhere(&self, travel: &Vector3<f64>) -> Implausible {
         let shown = |v: &Vector3<f64>| {
-            v.map(|x| if x.abs() < ALIKE { "0".into() } else { format!("{x:.3}") })
+            v.map(|x| if x.abs() < SAME_WITHIN { "0".into() } else { format!("{x:.3}") })
                 .iter()
                 .cloned()
                 .collect::<Vec<String>>()

@@ -129,8 +129,8 @@ fn stretches(all: &Experiment, step: usize) -> Vec<Vec<Group>> {
     let mut stretches: Vec<Vec<Group>> = Vec::new();
     let mut since = 0;
     for (k, &i) in sequence.iter().enumerate() {
-        let alike = |j: usize| taken.pass[i] == taken.pass[j] && all.rows_of(i).len() == all.rows_of(j).len();
-        let neighbour = k > 0 && alike(sequence[k - 1]);
+        let same = |j: usize| taken.pass[i] == taken.pass[j] && all.rows_of(i).len() == all.rows_of(j).len();
+        let neighbour = k > 0 && same(sequence[k - 1]);
         since = if neighbour && since + 1 < step { since + 1 } else { 0 };
         match stretches.last_mut() {
             Some(stretch) if since > 0 => match stretch.last_mut() {

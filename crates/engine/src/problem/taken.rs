@@ -104,11 +104,11 @@ impl Taken {
         self.off_mean_of_run(self.within_runs(|from, to| (from - begin) * (to - begin)))
     }
 
-    fn within_runs(&self, alike: impl Fn(f64, f64) -> f64) -> DMatrix<f64> {
+    fn within_runs(&self, of_one_run: impl Fn(f64, f64) -> f64) -> DMatrix<f64> {
         let points = self.clock_and_time.len();
         DMatrix::from_fn(points, points, |i, j| {
             let ((run, from), (other, to)) = (self.clock_and_time[i], self.clock_and_time[j]);
-            if run == other { alike(from, to) } else { 0.0 }
+            if run == other { of_one_run(from, to) } else { 0.0 }
         })
     }
 

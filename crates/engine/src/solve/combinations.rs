@@ -8,7 +8,7 @@
 use crate::solve::direction::Named;
 use crate::solve::echelon::{Preferred, Row, echelon};
 use crate::solve::null_space::Direction;
-use crate::solve::words::spell;
+use crate::solve::words::in_words;
 use nalgebra::{DMatrix, DVector, RowDVector};
 use serde::{Deserialize, Serialize};
 use trunnion_effects::{FixedText, fixed_text};
@@ -81,15 +81,15 @@ pub(crate) fn seen_together(
         let spelt: Vec<(String, f64)> = terms.iter().map(|(j, c)| (names[*j].name.clone(), *c)).collect();
         Combination {
             parameters: terms.iter().map(|(j, _)| *j).collect(),
-            text: spell(&spelt),
+            text: in_words(&spelt),
             value: terms.iter().map(screen).sum(),
             u: variance.max(0.0).sqrt(),
             unit: names[terms[0].0].unit,
         }
     };
-    let alike = vec![1.0; without_number.len()];
+    let equal = vec![1.0; without_number.len()];
     let least = |_: &RowDVector<f64>| vec![TAKES_PART; without_number.len()];
-    echelon(v_t.select_rows(&kernel), &Preferred::NONE, &[], &alike, &least)
+    echelon(v_t.select_rows(&kernel), &Preferred::NONE, &[], &equal, &least)
         .into_iter()
         .map(combination)
         .collect()

@@ -162,7 +162,7 @@ mod tests {
 
     /// The zero of a display and the tilt of its plate, 15 mm apart, have the same share; third comes a parameter of a small share.
     #[test]
-    fn of_parameters_involved_alike_the_one_that_counts_most_is_the_pivot() {
+    fn of_parameters_involved_equally_the_one_that_counts_most_is_the_pivot() {
         let row = DMatrix::from_row_slice(1, 3, &[0.7, -0.71, 0.05]).normalize();
         let pivot = |counts: [f64; 3]| {
             echelon(row.clone(), &Preferred::NONE, &[], &counts, &|_| vec![1e-6; 3])[0].pivot

@@ -66,11 +66,11 @@ pub(crate) fn describe(direction: &Direction, names: &[Named], status: &[Status]
         };
         format!("{pivot} is confounded with {others} in these runs; by convention {pivot} = 0{meaning}")
     };
-    Unobservable { direction: spell(&terms), terms, inside, why, at_rest: false }
+    Unobservable { direction: in_words(&terms), terms, inside, why, at_rest: false }
 }
 
 /// `EX0A - 0.5 EX0C`.
-pub fn spell(terms: &[(String, f64)]) -> String {
+pub fn in_words(terms: &[(String, f64)]) -> String {
     let mut text = String::new();
     for (k, (name, coefficient)) in terms.iter().enumerate() {
         let sign = match (k, *coefficient < 0.0) {

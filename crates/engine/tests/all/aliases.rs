@@ -32,9 +32,9 @@ fn teeth_that_show_once_or_twice_a_turn_are_confounded_with_the_encoder() {
         let problem = Problem::new(&experiment, &Model::base("table-bc")).unwrap();
         let mut diagnosis = diagnose_problem(&problem, &Default::default()).unwrap();
         let best = &diagnosis.candidates[0];
-        let alike = alike(best);
+        let confused = confused(best);
         for either in ["encoder-eccentricity:C", "drive-pitch:C"] {
-            assert!(alike.contains(&either), "{teeth}: {either} is none of {alike:?}");
+            assert!(confused.contains(&either), "{teeth}: {either} is none of {confused:?}");
         }
         diagnosis.next_cycle = None;
         let plan = next(&problem, &diagnosis, &Options::default()).unwrap().expect("a plan");
@@ -79,14 +79,14 @@ fn a_scale_error_on_a_circle_is_no_bar_that_errs_by_millimetres() {
         let diagnosis = diagnose_problem(&problem, &Default::default()).unwrap();
         let best = &diagnosis.candidates[0];
         assert_ne!(best.effect, "probe-nonlinearity", "{seed}: {:?}", best.confused_with);
-        let alike = alike(best);
+        let confused = confused(best);
         for either in ["linear-scale:X", "linear-scale:Y"] {
-            assert!(alike.contains(&either), "{seed}: {either} is none of {alike:?}");
+            assert!(confused.contains(&either), "{seed}: {either} is none of {confused:?}");
         }
     }
 }
 
 /// An effect and all that is confounded with it.
-fn alike(found: &Candidate) -> Vec<&str> {
+fn confused(found: &Candidate) -> Vec<&str> {
     std::iter::once(&found.effect).chain(&found.confused_with).map(String::as_str).collect()
 }

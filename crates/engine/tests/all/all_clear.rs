@@ -96,8 +96,8 @@ fn a_seat_that_jumps_between_stops_gets_no_all_clear() {
         assert_eq!(found.verdict, Verdict::UnnamedStructure, "{seed}: {}", found.why);
         assert!(found.why.starts_with("From stop to stop of B the readings jump"), "{seed}: {}", found.why);
         // One component of a length that is there half of the time.
-        let put_in_um = 3.0 / 12f64.sqrt();
-        assert!((found.noise.stations_um / put_in_um - 1.0).abs() < 0.2, "{seed}: {:?}", found.noise);
+        let injected_um = 3.0 / 12f64.sqrt();
+        assert!((found.noise.stations_um / injected_um - 1.0).abs() < 0.2, "{seed}: {:?}", found.noise);
     }
 }
 

@@ -50,10 +50,10 @@ fn three_squarenesses_have_their_names_and_angles() {
         assert_eq!(set(&found), ["squareness:YX", "squareness:ZX", "squareness:ZY"], "{angles_urad:?}");
         let together = found.together.expect("three effects");
         assert!(together.adequate, "{angles_urad:?}: {}", found.why);
-        for (name, put_in) in ["EC0Y", "EB0Z", "EA0Z"].into_iter().zip(angles_urad) {
+        for (name, injected) in ["EC0Y", "EB0Z", "EA0Z"].into_iter().zip(angles_urad) {
             let fitted = together.parameters.iter().find(|parameter| parameter.name == name).unwrap();
             let (value, u) = fitted.value.zip(fitted.u).expect("seen in this cycle");
-            assert!((value - put_in).abs() < 4.0 * u, "{name} = {value} ± {u}, put in {put_in}");
+            assert!((value - injected).abs() < 4.0 * u, "{name} = {value} ± {u}, injected {injected}");
         }
     }
 }
@@ -109,9 +109,9 @@ fn a_pitch_without_yaw_and_roll_has_its_name_next_to_another_effect() {
         assert_eq!(set(&found), ["angular-motion:X", "stacked-tilt:C"], "{pitch_urad}, {tilt_urad}");
         let together = found.together.expect("two effects");
         for turn in together.parameters.iter().filter(|parameter| parameter.effect == "angular-motion:X") {
-            let put_in = if turn.name == "EBX.P1" { pitch_urad } else { 0.0 };
+            let injected = if turn.name == "EBX.P1" { pitch_urad } else { 0.0 };
             let (value, u) = turn.value.zip(turn.u).expect("seen in this cycle");
-            assert!((value - put_in).abs() < 4.0 * u, "{} = {value} ± {u}, put in {put_in}", turn.name);
+            assert!((value - injected).abs() < 4.0 * u, "{} = {value} ± {u}, injected {injected}", turn.name);
         }
     }
 }

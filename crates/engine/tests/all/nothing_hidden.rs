@@ -11,7 +11,7 @@ fn fitted() -> Identification {
 }
 
 #[test]
-fn location_errors_come_out_as_put_in() {
+fn location_errors_come_out_as_injected() {
     let fit = fitted();
     let truth: serde_json::Value =
         serde_json::from_str(&common::outside("points-nothing-hidden/truth.json").unwrap()).unwrap();

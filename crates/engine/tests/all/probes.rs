@@ -31,14 +31,14 @@ fn curved_probes_have_their_name_and_their_curvatures() {
         assert_eq!(set(&found), ["probe-nonlinearity"], "{curvatures:?}");
         let candidate = found.candidates.iter().find(|c| c.effect == "probe-nonlinearity").unwrap();
         assert!(candidate.adequate(), "{curvatures:?}");
-        for (name, put_in) in ["x", "y", "z"].into_iter().zip(curvatures) {
+        for (name, injected) in ["x", "y", "z"].into_iter().zip(curvatures) {
             let fitted = candidate.parameters.iter().find(|parameter| parameter.name == name).unwrap();
             let (value, u) = fitted.value.zip(fitted.u).expect("seen in this cycle");
             // On screens in µm/mm².
             assert!(
-                (value - 1e3 * put_in).abs() < 4.0 * u,
+                (value - 1e3 * injected).abs() < 4.0 * u,
                 "{name} = {value} ± {u}, put in {}",
-                1e3 * put_in
+                1e3 * injected
             );
         }
     }

@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn contours_that_are_alike_differ_as_seldom_as_promised() {
+    fn contours_that_are_the_same_differ_as_seldom_as_promised() {
         // The second quieter, as noisy, and noisier than the first.
         for sigma in [1.0 / 3.0, 1.0, 3.0, 10.0] {
             let found = |sigma: f64, seed: u64| of(&noisy(12, sigma, seed, |_| 0.0)).unwrap();

@@ -25,9 +25,9 @@ pub struct Line<const N: usize> {
 /// Fewer than two points, a coordinate that is no number, all points in one place or spread alike in two directions.
 pub fn line<const N: usize>(points_mm: &[SVector<f64, N>]) -> Result<Line<N>, GeometryError> {
     let scatter = Scatter::of("line", 2, points_mm)?;
-    let alike = scatter.spread[1] > (1.0 - 1e-12) * scatter.spread[0];
-    if !scatter.spans(1) || alike {
-        let why = if alike && scatter.spread[0] > 0.0 {
+    let same = scatter.spread[1] > (1.0 - 1e-12) * scatter.spread[0];
+    if !scatter.spans(1) || same {
+        let why = if same && scatter.spread[0] > 0.0 {
             "they spread equally in two directions"
         } else {
             "they coincide"

@@ -67,7 +67,7 @@ fn a_rotary_head_is_against_the_line_of_the_axis_it_hangs_on() {
 }
 
 #[test]
-fn squarenesses_of_three_axes_are_alike_in_both() {
+fn squarenesses_of_three_axes_are_the_same_in_both() {
     let layout = layout("three-axis");
     let symbols: Vec<String> = layout.components.iter().map(|c| c.symbol(Notation::Relative)).collect();
     assert_eq!(symbols, ["γ_YX", "β_ZX", "α_ZY"]);

@@ -82,14 +82,14 @@ fn same(document: &str, fresh: &str) -> Result<(), String> {
         return Err("another number of lines".into());
     }
     for (a, b) in document.lines().zip(fresh.lines()) {
-        let alike = a.split_whitespace().count() == b.split_whitespace().count()
+        let same = a.split_whitespace().count() == b.split_whitespace().count()
             && a.split_whitespace().zip(b.split_whitespace()).all(|(a, b)| {
                 match (a.parse::<f64>(), b.parse::<f64>()) {
                     (Ok(a), Ok(b)) => (a - b).abs() <= 0.6f64.max(0.02 * a.abs()),
                     _ => a == b,
                 }
             });
-        if !alike {
+        if !same {
             return Err(format!("documented: {a}\nfound:      {b}"));
         }
     }

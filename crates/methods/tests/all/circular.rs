@@ -63,8 +63,8 @@ pub fn value(findings: &Findings, name: &str) -> f64 {
     findings.value(name).unwrap_or_else(|| panic!("no value {name}")).value
 }
 
-pub fn near(found: f64, put_in: f64, within: f64, what: &str) {
-    assert!((found - put_in).abs() <= within, "{what}: {found}, put in {put_in}");
+pub fn near(found: f64, injected: f64, within: f64, what: &str) {
+    assert!((found - injected).abs() <= within, "{what}: {found}, injected {injected}");
 }
 
 /// Error and circularity (mm) of the ranking, in its order.
@@ -77,11 +77,11 @@ fn ranking(findings: &Findings) -> Vec<(String, f64)> {
 }
 
 /// One error alone: it ranks first with this circularity, has this value, and little else is seen or left.
-fn check(name: &str, displaced: impl Fn(&State) -> (f64, f64), put_in: f64, circularity_um: f64) {
+fn check(name: &str, displaced: impl Fn(&State) -> (f64, f64), injected: f64, circularity_um: f64) {
     let found = circular(circle(displaced, 0.0, false));
     let ranked = ranking(&found);
     assert_eq!(ranked[0].0, name, "{ranked:?}");
-    near(value(&found, &format!("XY {name}")), put_in, 0.02 * put_in.abs(), name);
+    near(value(&found, &format!("XY {name}")), injected, 0.02 * injected.abs(), name);
     near(ranked[0].1, circularity_um * UM, 0.03 * circularity_um * UM, name);
     assert!(ranked[1].1 < 0.05 * ranked[0].1, "{ranked:?}");
     assert!(value(&found, "XY unexplained share") < 1e-3, "{name}: {ranked:?}");
@@ -157,7 +157,7 @@ fn several_errors_together_are_distinguished_in_noise() {
         0.3,
         false,
     ));
-    for (name, put_in) in [
+    for (name, injected) in [
         ("EC0Y", 30e-6),
         ("scale X−Y", 15e-6),
         ("backlash X", -3.0 * UM),
@@ -166,7 +166,11 @@ fn several_errors_together_are_distinguished_in_noise() {
     ] {
         let found = found.value(&format!("XY {name}")).unwrap();
         let u = found.u.unwrap();
-        assert!((found.value - put_in).abs() < 4.0 * u, "{name}: {} u {u}, put in {put_in}", found.value);
+        assert!(
+            (found.value - injected).abs() < 4.0 * u,
+            "{name}: {} u {u}, injected {injected}",
+            found.value
+        );
     }
     assert!(value(&found, "XY unexplained beyond noise") < 0.1 * UM);
     // A page has one figure for the whole trace.
@@ -185,12 +189,12 @@ fn a_run_without_speed_keeps_backlash_and_spikes_clear_of_the_servo_mismatch() {
         point.state = State { velocity, acceleration, since_reversal, time_s: None, ..point.state.clone() };
     }
     let found = circular(run);
-    for (name, put_in) in
+    for (name, injected) in
         [("backlash X", -2.0 * UM), ("backlash Y", 0.0), ("servo X−Y × speed", 0.4e-3 * feed)]
     {
         let found = found.value(&format!("XY {name}")).unwrap_or_else(|| panic!("{name}"));
         let u = found.u.unwrap();
-        assert!((found.value - put_in).abs() < 4.0 * u && u < 0.1 * UM, "{name}: {} u {u}", found.value);
+        assert!((found.value - injected).abs() < 4.0 * u && u < 0.1 * UM, "{name}: {} u {u}", found.value);
     }
     assert!(
         !ranking(&found).iter().any(|(name, _)| name.starts_with("reversal spike")),
@@ -297,9 +301,9 @@ fn a_static_run_whose_rows_follow_the_path_has_the_speed_of_its_times() {
         point.state = State { velocity, acceleration, since_reversal, ..point.state.clone() };
     }
     let found = circular(run.clone());
-    for (name, put_in) in [("servo X−Y", 0.4e-3), ("backlash X", -2.0 * UM)] {
+    for (name, injected) in [("servo X−Y", 0.4e-3), ("backlash X", -2.0 * UM)] {
         let found = found.value(&format!("XY {name}")).unwrap_or_else(|| panic!("{name}"));
-        assert!((found.value - put_in).abs() < 4.0 * found.u.unwrap(), "{found:?}");
+        assert!((found.value - injected).abs() < 4.0 * found.u.unwrap(), "{found:?}");
     }
     assert!(found.notes.iter().any(|note| note.contains("by time_s") && note.contains("--kind on-the-fly")));
     assert!(found.notes.iter().any(|note| note.contains("feed 1000 mm/min")), "{:?}", found.notes);
@@ -357,11 +361,11 @@ fn a_row_between_two_directions_spoils_no_spike_and_no_backlash() {
         for run in [moving, at_rest] {
             let kind = run.kind;
             let found = circular(run);
-            for (name, put_in) in [("reversal spike Y", 6.0 * UM), ("backlash X", -4.0 * UM)] {
+            for (name, injected) in [("reversal spike Y", 6.0 * UM), ("backlash X", -4.0 * UM)] {
                 let value = found.value(&format!("XY {name}")).unwrap();
                 let u = value.u.unwrap();
                 assert!(u < 0.2 * UM, "{seed}, {kind:?}: {value:?}");
-                near(value.value, put_in, 4.5 * u, &format!("{seed}, {kind:?}: {name}"));
+                near(value.value, injected, 4.5 * u, &format!("{seed}, {kind:?}: {name}"));
             }
             assert!(
                 found.notes.iter().any(|note| note.contains("just after an axis reversed")),

@@ -54,7 +54,7 @@ fn locations_by_maps_agree_with_the_joint_fit_where_nothing_is_hidden() {
 /// What is hidden goes into the constants of both ways, a little differently: the joint fit weighs all readings alike, the map all
 /// angles of B. It moves EZ0B and EC0B most.
 #[test]
-fn hidden_effects_move_both_alike() {
+fn hidden_effects_move_both_the_same() {
     for (folder, most_um, most_urad) in [
         ("points-gravity", 0.97, 0.5),
         ("points-backlash-and-drift", 0.2, 0.1),
@@ -167,7 +167,7 @@ fn linear_steps_calibrate_the_nest() {
 }
 
 #[test]
-fn a_ball_beside_the_nest_is_refused() {
+fn a_ball_out_of_the_nest_is_refused() {
     let mut run = points_run("points-nothing-hidden");
     run.points[7].state.position.0[0] += 12.0;
     let method = recipes::find("error-map").expect("registered");

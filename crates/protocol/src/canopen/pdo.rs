@@ -232,7 +232,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(96))]
 
         #[test]
-        fn any_mapping_gives_back_what_was_put_in(
+        fn any_mapping_gives_back_what_it_was_given(
             fields in prop::collection::vec((1u8..=16, any::<u64>()), 1..=4), longer in 0usize..3,
         ) {
             let key = |sub: usize| ObjectKey::new(0x2100, sub as u8);

@@ -149,7 +149,7 @@ mod tests {
 
     /// Data formats of data number 000 in the three manuals.
     #[test]
-    fn the_digits_of_a_value_tell_the_kind_of_amplifier() {
+    fn the_digits_of_a_value_show_the_kind_of_amplifier() {
         let check = |text: &str, family, position_mm: Option<f64>| {
             let value = Value::parse(text).unwrap();
             assert_eq!(

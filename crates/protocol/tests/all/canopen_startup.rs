@@ -128,7 +128,7 @@ fn a_rotary_encoder_is_given_raw() {
 }
 
 #[test]
-fn a_unit_the_node_does_not_tell_leaves_the_value_raw() {
+fn a_unit_the_node_does_not_report_leaves_the_value_raw() {
     let mut objects = probe();
     objects.0.remove(&ObjectKey::new(0x6131, 1));
     let readings = read(objects).unwrap().decode(&frame(0x181, &[0x33, 0, 0, 0, 0])).unwrap().unwrap();

@@ -35,7 +35,7 @@ fn found(input: &Comparison, diagnosis: &Diagnosis) -> String {
         body += &formula_paragraph(formula);
     }
     if let Some(trial) = &input.trial {
-        body += &trial::most_telling_maps(trial);
+        body += &trial::clearest_maps(trial);
     }
     match (&input.trial, diagnosis.candidates.first()) {
         (Some(trial), _) => body += &trial::size_table(trial),

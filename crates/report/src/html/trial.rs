@@ -77,7 +77,7 @@ pub fn all_maps(trial: &Trial) -> String {
 }
 
 /// The pairs in which most falls away, for the compare page.
-pub fn most_telling_maps(trial: &Trial) -> String {
+pub fn clearest_maps(trial: &Trial) -> String {
     let body = match pairs(trial) {
         Some((grid, mut pairs, limit_um)) => {
             let falls = |pair: &[Map; 2]| pair[0].mean_square() - pair[1].mean_square();

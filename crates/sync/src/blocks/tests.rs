@@ -213,16 +213,16 @@ fn a_coarse_display_loses_the_lone_readings_and_no_other() {
 }
 
 #[test]
-fn two_alike_in_a_row_are_excluded_and_three_are_kept() {
+fn two_equal_in_a_row_are_excluded_and_three_are_kept() {
     let base = |seed: usize| sweep(20_000, 0.5, move |_, i| 0.1e-3 * white(seed + i));
-    for (seed, (alike, excluded)) in
+    for (seed, (equal, excluded)) in
         SEEDS.iter().flat_map(|seed| [(1, 40), (2, 80), (3, 0), (6, 0)].map(|case| (seed, case)))
     {
         let mut points = base(*seed);
         for first in (500..40_000).step_by(1000) {
-            points[first..first + alike].iter_mut().for_each(|point| point.reading_mm[0] += 5e-3);
+            points[first..first + equal].iter_mut().for_each(|point| point.reading_mm[0] += 5e-3);
         }
-        assert_eq!(reduce(&points, 400).excluded, excluded, "{alike} {seed}");
+        assert_eq!(reduce(&points, 400).excluded, excluded, "{equal} {seed}");
     }
 }
 

@@ -16,7 +16,7 @@ pub(super) const HALF_S: f64 = 0.05;
 /// A controller that shows its axes seldom is looked at so far on both sides, s: half of what the alignment bridges.
 const FARTHEST_S: f64 = 0.375;
 /// Positions on each side of the instant that are waited for.
-const BESIDE: usize = 2;
+const NEIGHBOURS: usize = 2;
 /// A parabola through three points says nothing of its scatter.
 const FEWEST: usize = 4;
 
@@ -66,12 +66,12 @@ impl Pace {
     pub(super) fn is_known_around(&self, time_s: f64) -> bool {
         let after = self.nodes.iter().rev().take_while(|node| node.time_s > time_s).count();
         let newest_s = self.nodes.back().map_or(f64::NEG_INFINITY, |node| node.time_s);
-        newest_s > time_s + FARTHEST_S || (newest_s > time_s + HALF_S && after >= BESIDE)
+        newest_s > time_s + FARTHEST_S || (newest_s > time_s + HALF_S && after >= NEIGHBOURS)
     }
 
     /// Forgets what instants from `time_s` on do not need.
     pub(super) fn forget_before(&mut self, time_s: f64) {
-        while self.nodes.get(BESIDE + 1).is_some_and(|node| node.time_s < time_s - HALF_S) {
+        while self.nodes.get(NEIGHBOURS + 1).is_some_and(|node| node.time_s < time_s - HALF_S) {
             self.nodes.pop_front();
         }
     }
@@ -97,8 +97,8 @@ impl Pace {
             (from, self.nodes.partition_point(|node| node.time_s <= time_s + reach_s))
         };
         let ((narrow_from, narrow_to), (wide_from, wide_to)) = (near(HALF_S), near(FARTHEST_S));
-        let from = narrow_from.min(middle.saturating_sub(BESIDE)).max(wide_from);
-        let to = narrow_to.max(middle + BESIDE).min(wide_to);
+        let from = narrow_from.min(middle.saturating_sub(NEIGHBOURS)).max(wide_from);
+        let to = narrow_to.max(middle + NEIGHBOURS).min(wide_to);
         let count = to.checked_sub(from).filter(|count| *count >= FEWEST)?;
         let times = || self.nodes.range(from..to).map(|node| node.time_s - time_s);
         let row = |t: f64| Vector3::new(1.0, t, 0.5 * t * t);

@@ -45,7 +45,7 @@ mod tests {
     }
 
     #[test]
-    fn sync_moves_are_weighed_together_and_a_changed_delay_shows_in_the_uncertainty() {
+    fn sync_moves_are_averaged_and_a_changed_delay_shows_in_the_uncertainty() {
         let steady = mean_delays(&[sync_move(1.00e-3), sync_move(1.01e-3)])[&2];
         assert!((steady.delay_s - 1.005e-3).abs() < 1e-9 && steady.birge_ratio == 1.0);
         assert!((steady.u_s - 7.07e-6).abs() < 0.1e-6);

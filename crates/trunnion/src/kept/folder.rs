@@ -76,14 +76,14 @@ impl Folder {
     fn write(&self, of: &str, text: &str) -> io::Result<()> {
         DirBuilder::new().recursive(true).mode(0o700).create(&self.path)?;
         let one = self.writes.fetch_add(1, Ordering::Relaxed);
-        let beside = self.path_of(of, &format!("{}-{one}.{UNFINISHED}", std::process::id()));
+        let unfinished = self.path_of(of, &format!("{}-{one}.{UNFINISHED}", std::process::id()));
         let write = || {
-            let mut file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&beside)?;
+            let mut file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&unfinished)?;
             file.write_all(format!("{}\n{text}", head_of(of, text)).as_bytes())?;
-            fs::rename(&beside, self.path_of(of, ENDING))
+            fs::rename(&unfinished, self.path_of(of, ENDING))
         };
         // A part is of no use; the first error is the one to report.
-        write().inspect_err(|_| drop(fs::remove_file(&beside)))
+        write().inspect_err(|_| drop(fs::remove_file(&unfinished)))
     }
 
     /// Removes what was written first, until three quarters of the bound are taken.

@@ -187,12 +187,12 @@ fn u_of_several_days_holds_what_the_next_day_shows() {
     let (inside, coefficients) = cover(&differing, 20, DAYS - 1);
     println!("days that differ: {inside:.3} of readings, {coefficients:.3} of coefficients");
     assert!(inside > 0.89 && coefficients > 0.84, "{inside} {coefficients}");
-    let alike = Days { between_um_per_k: 0.0, ..differing };
-    let (inside, coefficients) = cover(&alike, 20, DAYS - 1);
-    println!("days alike: {inside:.3} of readings, {coefficients:.3} of coefficients");
+    let same_days = Days { between_um_per_k: 0.0, ..differing };
+    let (inside, coefficients) = cover(&same_days, 20, DAYS - 1);
+    println!("the same days: {inside:.3} of readings, {coefficients:.3} of coefficients");
     assert!(inside > 0.89 && coefficients > 0.84, "{inside} {coefficients}");
     // One day cannot know: this is what the others are for.
-    let one = Days { between_um_per_k: 3.0, ..alike };
+    let one = Days { between_um_per_k: 3.0, ..same_days };
     let (blind, _) = cover(&one, 10, 1);
     let (inside, _) = cover(&one, 10, DAYS - 1);
     println!("days that differ a lot: {blind:.3} from one, {inside:.3} from five");

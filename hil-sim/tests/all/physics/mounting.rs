@@ -4,7 +4,7 @@ use super::{low_and_high, setup, table_bc};
 use trunnion_hil_sim::{NestOn, Truth};
 
 #[test]
-fn a_setup_of_the_truth_keeps_its_setting_in_run_0_and_is_mounted_anew_later() {
+fn a_setup_of_the_truth_keeps_its_setting_in_run_0_and_is_mounted_again_later() {
     let truth = Truth::draw(&table_bc(), &low_and_high(), &[], 1700.0, 5).unwrap();
     let mut wanted = low_and_high();
     wanted.push(setup("low", NestOn::Table, [150.0, 0.0, 61.0]));

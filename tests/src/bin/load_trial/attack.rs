@@ -43,7 +43,7 @@ pub const ADDRESSES: usize = 24;
 /// Calls over one connection.
 const CALLS: usize = 100;
 /// Longest wait for an answer or for the end of a connection.
-const PATIENCE: Duration = Duration::from_secs(20);
+const TIME_LIMIT: Duration = Duration::from_secs(20);
 /// Between two bytes of who is slow.
 const SLOWLY: Duration = Duration::from_secs(1);
 /// One that was refused tries again.
@@ -119,7 +119,7 @@ const CLOSED: &str = "closed without an answer";
 async fn connected(from: Ipv4Addr, to: SocketAddr) -> Result<TcpStream, io::ErrorKind> {
     let socket = TcpSocket::new_v4().map_err(|error| error.kind())?;
     socket.bind((from, 0).into()).map_err(|error| error.kind())?;
-    match timeout(PATIENCE, socket.connect(to)).await {
+    match timeout(TIME_LIMIT, socket.connect(to)).await {
         Ok(connected) => connected.map_err(|error| error.kind()),
         Err(_) => Err(io::ErrorKind::TimedOut),
     }
@@ -150,7 +150,7 @@ async fn attempt(attack: Attack, stream: &mut TcpStream, to: SocketAddr) -> Stri
         }
         Attack::Unread => {
             let first = answer(stream, &call("GET /api/live", "", to), false).await;
-            sleep(PATIENCE).await;
+            sleep(TIME_LIMIT).await;
             first
         }
         Attack::Garbage => {
@@ -188,8 +188,8 @@ async fn read(stream: &mut TcpStream, goes_on: bool) -> String {
             }
         }
     };
-    if timeout(PATIENCE, whole).await.is_err() && read == 0 {
-        return format!("nothing for {} s", PATIENCE.as_secs());
+    if timeout(TIME_LIMIT, whole).await.is_err() && read == 0 {
+        return format!("nothing for {} s", TIME_LIMIT.as_secs());
     }
     status(&bytes[..read])
 }
@@ -222,7 +222,9 @@ async fn slowly(stream: &mut TcpStream, bytes: &[u8]) -> String {
         match timeout(SLOWLY, stream.peek(&mut seen)).await {
             Ok(Ok(0) | Err(_)) => return CLOSED.into(),
             Ok(Ok(_)) => return read(stream, false).await,
-            Err(_) if begun.elapsed() >= PATIENCE => return format!("taken for {} s", PATIENCE.as_secs()),
+            Err(_) if begun.elapsed() >= TIME_LIMIT => {
+                return format!("taken for {} s", TIME_LIMIT.as_secs());
+            }
             Err(_) => {}
         }
     }
@@ -238,8 +240,8 @@ async fn filled(stream: &mut TcpStream, head: &str, part: &[u8]) -> String {
     let fill = async { while writing.write_all(part).await.is_ok() {} };
     let mut first = [0; 64];
     tokio::select! {
-        read = timeout(PATIENCE, reading.read(&mut first)) => match read {
-            Err(_) => format!("taken for {} s", PATIENCE.as_secs()),
+        read = timeout(TIME_LIMIT, reading.read(&mut first)) => match read {
+            Err(_) => format!("taken for {} s", TIME_LIMIT.as_secs()),
             Ok(Ok(read)) => status(&first[..read]),
             Ok(Err(_)) => CLOSED.into(),
         },
@@ -250,7 +252,7 @@ async fn filled(stream: &mut TcpStream, head: &str, part: &[u8]) -> String {
 /// The answer of who takes no more.
 async fn read_rest(reading: &mut (impl AsyncReadExt + Unpin)) -> String {
     let mut first = [0; 64];
-    match timeout(PATIENCE, reading.read(&mut first)).await {
+    match timeout(TIME_LIMIT, reading.read(&mut first)).await {
         Ok(Ok(read)) => status(&first[..read]),
         _ => CLOSED.into(),
     }

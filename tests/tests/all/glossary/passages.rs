@@ -156,6 +156,30 @@ pub fn of_rust(text: &str) -> Vec<Passage> {
     passages
 }
 
+/// Names in the code, tests included, as words: `told_apart` is "told apart".
+pub fn names_of_rust(text: &str) -> Vec<Passage> {
+    let mut source = Source { rest: text, line: 1 };
+    let mut names = Vec::new();
+    while let Some(first) = source.rest.chars().next() {
+        if (first.is_alphabetic() || first == '_') && raw_hashes(source.rest).is_none() {
+            let line = source.line;
+            let name = source.word();
+            let mut words = String::new();
+            for (at, letter) in name.char_indices() {
+                let is_capital = letter.is_uppercase() && !name[..at].ends_with(char::is_uppercase);
+                if letter == '_' || is_capital {
+                    words.push(' ');
+                }
+                words.extend(Some(letter).filter(|letter| *letter != '_'));
+            }
+            names.push(Passage::new(&[(line, &words)]));
+        } else {
+            source.token();
+        }
+    }
+    names
+}
+
 /// What is not yet read.
 struct Source<'a> {
     rest: &'a str,
@@ -221,12 +245,16 @@ impl<'a> Source<'a> {
             return Some(self.string());
         } else if rest.starts_with('\'') {
             self.character();
-        } else {
-            let is_word = |c: char| c.is_alphanumeric() || c == '_';
-            let word = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
-            self.take(word.max(rest.chars().next().map_or(1, char::len_utf8)));
+        } else if self.word().is_empty() {
+            self.take(rest.chars().next().map_or(1, char::len_utf8));
         }
         None
+    }
+
+    /// A name, a keyword or a number.
+    fn word(&mut self) -> &'a str {
+        let end = self.rest.find(|c: char| !c.is_alphanumeric() && c != '_');
+        self.take(end.unwrap_or(self.rest.len()))
     }
 
     fn attribute(&mut self) {

@@ -41,11 +41,11 @@ fn near(found: f64, expected: f64, within: f64, what: &str) {
 #[test]
 fn location_errors_alone_give_flat_maps() {
     let found = error_map(&format!("{LOCATION}{}", noise(0.0, 0.0)));
-    for (name, put_in) in [("EX0B", 3.0), ("EZ0B", 13.0), ("EX0C", 4.0), ("EY0C", 6.0)] {
-        near(value(&found, name), put_in * UM, 0.01 * UM, name);
+    for (name, injected) in [("EX0B", 3.0), ("EZ0B", 13.0), ("EX0C", 4.0), ("EY0C", 6.0)] {
+        near(value(&found, name), injected * UM, 0.01 * UM, name);
     }
-    for (name, put_in) in [("EA0B", 12.0), ("EB0B", -20.0), ("EC0B", -9.0), ("EA0C", -16.0)] {
-        near(value(&found, name), put_in * URAD, 0.05 * URAD, name);
+    for (name, injected) in [("EA0B", 12.0), ("EB0B", -20.0), ("EC0B", -9.0), ("EA0C", -16.0)] {
+        near(value(&found, name), injected * URAD, 0.05 * URAD, name);
     }
     // S1 §5.3: a shift of C's line in Y is the average of the map of B.
     for row in rows(&found, "Errors of B") {

@@ -192,11 +192,11 @@ fn uncertainties_cover_the_errors() {
     let mut squares = Vec::new();
     for seed in 0..30 {
         let found = two_height(&cycle, 100 + seed, &[], &format!("{LOCATION}{}", noise(0.3, 0.0)));
-        for (name, put_in) in
+        for (name, injected) in
             [("EX0C", 7.0 * UM), ("EY0C", -10.0 * UM), ("EA0C", -4.0 * URAD), ("EB0C", 20.0 * URAD)]
         {
             let u = found.value(name).and_then(|v| v.u).expect("four passes");
-            squares.push(((value(&found, name) - put_in) / u).powi(2));
+            squares.push(((value(&found, name) - injected) / u).powi(2));
         }
     }
     squares.sort_by(f64::total_cmp);
@@ -206,7 +206,7 @@ fn uncertainties_cover_the_errors() {
 }
 
 #[test]
-fn two_recordings_of_one_height_each_tell_the_same() {
+fn two_recordings_of_one_height_each_give_the_same() {
     let cycle = cycle(&cycle_text("two-height-c"));
     let both = measure(&truth("table-bc", 3, &cycle, &[], &format!("{LOCATION}{}", noise(0.1, 0.5))), &cycle);
     let apart = [0, 1].map(|setup| {

@@ -20,7 +20,7 @@ const VERY_HEAVY: f64 = 0.035;
 const WILD: f64 = 3.2;
 const WORTHLESS: f64 = 8.0;
 /// Parts of two visits of a pose that differ by less than this share of theirs are one: by chance two of three components do so once in 60.
-const ALIKE: f64 = 0.5;
+const SAME_WITHIN: f64 = 0.5;
 
 /// Multiples of the white variance of every row; `None` where the tails are those of a normal law.
 pub(crate) fn weights(
@@ -55,7 +55,7 @@ pub(crate) fn weights(
     let far: Vec<usize> = (0..squares.len()).filter(|&i| used[i] && relative[i].0 > relative[i].1).collect();
     let comes_back = |i: usize| {
         let visits = far.iter().filter(|&&j| j != i && poses[j] == poses[i]);
-        visits.map(|&j| parts(j)).any(|other| (parts(i) - &other).norm() < ALIKE * other.norm())
+        visits.map(|&j| parts(j)).any(|other| (parts(i) - &other).norm() < SAME_WITHIN * other.norm())
     };
     for &i in &far {
         if comes_back(i) {

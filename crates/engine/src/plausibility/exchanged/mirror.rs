@@ -19,6 +19,6 @@ impl Trial<'_> {
             mirror.rotary_names(),
             mirror.linear
         );
-        Some((words, mirror.told_apart()))
+        Some((words, mirror.distinguished_by()))
     }
 }

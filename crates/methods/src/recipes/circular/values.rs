@@ -122,8 +122,8 @@ fn strongest(fit: &Fitted<'_>) -> Vec<String> {
     };
     let most = fit.others().filter(|other| in_u(other).is_some());
     let most = most.max_by(|a, b| in_u(a).partial_cmp(&in_u(b)).unwrap_or(Equal));
-    let alike = |other: &&Other| most.is_some_and(|most| other.leaves_the_same_as(most));
-    fit.others().filter(alike).map(Other::words).collect()
+    let same = |other: &&Other| most.is_some_and(|most| other.leaves_the_same_as(most));
+    fit.others().filter(same).map(Other::words).collect()
 }
 
 /// What reads as this error and leaves nothing that shows it, as a remark.

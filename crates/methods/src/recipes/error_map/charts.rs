@@ -26,12 +26,12 @@ pub(super) fn charts(
         charts.extend(over_turning(grid, c_errors, tilt));
     }
     let tilts = [Some(upright), steepest].into_iter().flatten();
-    charts.extend(alike(tilts.flat_map(|tilt| places(grid, b_errors, tilt, magnification)).collect()));
+    charts.extend(on_one_scale(tilts.flat_map(|tilt| places(grid, b_errors, tilt, magnification)).collect()));
     charts
 }
 
 /// Maps with the same magnification, so that they can be compared.
-fn alike(mut maps: Vec<Chart>) -> Vec<Chart> {
+fn on_one_scale(mut maps: Vec<Chart>) -> Vec<Chart> {
     let of = |chart: &Chart| match &chart.plot {
         Plot::PlaneMap { magnification, .. } => Some(*magnification),
         _ => None,

@@ -14,7 +14,7 @@ use trunnion_machine::{JointErrors, Machine};
 /// Fewest poses of the turning axis at one angle of the tilting axis.
 const LEAST_TURNS: usize = 3;
 /// A ball commanded further than this from the nest was not read there, mm.
-const BESIDE_MM: f64 = 5.0;
+const MOST_OFF_MM: f64 = 5.0;
 /// Nest positions nearer in height than this give no tilt, mm.
 const APART_MM: f64 = 10.0;
 
@@ -86,7 +86,7 @@ impl<'a> Grid<'a> {
                 }
                 let of_setup = || (first..).zip(run.good_points()).filter(|(_, p)| p.state.setup == s);
                 let off_mm = of_setup().map(|(_, p)| commanded_mm(run, p).norm()).fold(0.0, f64::max);
-                if off_mm > BESIDE_MM {
+                if off_mm > MOST_OFF_MM {
                     let found =
                         format!("in setup {name} the ball is commanded up to {off_mm:.1} mm off the nest");
                     return Err(method

@@ -184,7 +184,7 @@ impl Group {
 fn one_target(machine: &Machine, one: &State, other: &State) -> bool {
     machine.joints().into_iter().all(|joint| {
         let within = if joint.is_rotary() { ONE_TARGET_RAD } else { ONE_TARGET_MM };
-        let alike = one.direction[joint] * other.direction[joint] >= 0.0;
-        alike && (one.position[joint] - other.position[joint]).abs() < within
+        let same = one.direction[joint] * other.direction[joint] >= 0.0;
+        same && (one.position[joint] - other.position[joint]).abs() < within
     })
 }

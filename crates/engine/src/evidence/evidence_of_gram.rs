@@ -10,19 +10,19 @@ const ROUNDING: f64 = 1e-5;
 
 /// What one block of columns says.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weighed {
+pub struct Evidence {
     /// ln Bayes factor against nothing, size averaged.
     pub ln_bf: f64,
     /// Half the square that its best size explains: how well it fits, whatever its columns cost.
     pub fit_ln: f64,
 }
 
-impl Weighed {
+impl Evidence {
     pub const NOTHING: Self = Self { ln_bf: f64::NEG_INFINITY, fit_ln: 0.0 };
 }
 
 /// From AᵀPA, AᵀPy and the white standard deviation.
-pub fn weighed(gram: &DMatrix<f64>, on_readings: &DVector<f64>, white: f64) -> Weighed {
+pub fn evidence_of_gram(gram: &DMatrix<f64>, on_readings: &DVector<f64>, white: f64) -> Evidence {
     let eigen = ((gram + gram.transpose()) * 0.5).symmetric_eigen();
     let z = eigen.eigenvectors.tr_mul(on_readings);
     let largest = eigen.eigenvalues.amax();
@@ -38,5 +38,5 @@ pub fn weighed(gram: &DMatrix<f64>, on_readings: &DVector<f64>, white: f64) -> W
         pairs.iter().map(|(l, z)| -0.5 * (tau * l).ln_1p() + 0.5 * tau * z / (1.0 + tau * l)).sum::<f64>()
     };
     let ln_bf = log_mean_exp(&SIZES.iter().map(at).collect::<Vec<_>>());
-    Weighed { ln_bf, fit_ln: 0.5 * pairs.iter().map(|(l, z)| z / l).sum::<f64>() }
+    Evidence { ln_bf, fit_ln: 0.5 * pairs.iter().map(|(l, z)| z / l).sum::<f64>() }
 }
