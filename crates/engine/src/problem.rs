@@ -26,7 +26,7 @@ use crate::fit::identification::Identification;
 use crate::fit::identify_sharing;
 use crate::fit::options::{IdentifyError, Options, Uncertainties};
 use crate::fit::reading_noise::ReadingNoise;
-use crate::noise::learned::remainder::{Fitted, weighted};
+use crate::noise::learned::remainder::weighted;
 use crate::problem::experiment::Experiment;
 use crate::problem::known::KnownFits;
 use crate::problem::rows::Rows;
@@ -152,7 +152,7 @@ impl<'a> Problem<'a> {
     pub fn reading_noise(&self) -> Result<Option<ReadingNoise<'a>>, IdentifyError> {
         let fit = self.fit();
         let columns = |rows: &Rows<'_>, root: &DVector<f64>| self.columns_on(rows, root);
-        ReadingNoise::learn(self.experiment, &Fitted::of(fit), fit.degrees_of_freedom, columns)
+        ReadingNoise::learn(self.experiment, &fit.fitted(), fit.degrees_of_freedom, columns)
     }
 
     /// The points.

@@ -6,7 +6,7 @@ use crate::diagnosis::vocabulary::Vocabulary;
 use crate::evidence::{joined, orthonormal, turned};
 use crate::noise::learned::Real;
 use crate::noise::learned::mode::{Mode, Readings};
-use crate::noise::learned::remainder::{Fitted, Remainder, weighted};
+use crate::noise::learned::remainder::{Remainder, weighted};
 use crate::noise::learned::sigma::NOTHING;
 use crate::problem::Problem;
 use crate::problem::credible::Seen;
@@ -64,7 +64,7 @@ impl<'a> Scan<'a> {
     pub fn new(problem: &Problem<'a>, without: &[String]) -> Result<Self, DiagnoseError> {
         let (experiment, fit) = (problem.experiment(), problem.fit());
         let remainder =
-            Remainder::new(experiment, &Fitted::of(fit), |rows, root| problem.columns_on(rows, root))?;
+            Remainder::new(experiment, &fit.fitted(), |rows, root| problem.columns_on(rows, root))?;
         let (rows, parameters) = (remainder.rows.points.rows(), remainder.basis.ncols());
         if rows < 2 * parameters {
             return Err(DiagnoseError::TooFewReadings { rows, parameters });

@@ -4,7 +4,7 @@
 //! `residual = measured − predicted`.
 
 use crate::fit::errors::Errors;
-use crate::noise::learned::remainder::Learned;
+use crate::noise::learned::remainder::{Fitted, Learned};
 use crate::problem::folds::LeftOut;
 use crate::solve::combinations::Combination;
 use crate::solve::direction::{Status, Unobservable};
@@ -233,6 +233,17 @@ impl FittedParameter {
 }
 
 impl Identification {
+    /// What noise is learned from.
+    pub(crate) fn fitted(&self) -> Fitted<'_> {
+        Fitted {
+            row_weights: &self.row_weights,
+            residual_mm: &self.residual_mm,
+            predicted_mm: &self.predicted_mm,
+            used: &self.used,
+            other: self.noise.as_ref(),
+        }
+    }
+
     /// The parameter of this name.
     pub fn parameter(&self, name: &str) -> Option<&FittedParameter> {
         self.parameters.iter().find(|parameter| parameter.name == name)

@@ -42,7 +42,7 @@ impl Shares {
     }
 }
 
-/// Standard uncertainties of numbers; `None` where the readings are too few, or of several ways of measuring, to say what is noise.
+/// Standard uncertainties of numbers; the problem is of every good reading, as the numbers count them (`Experiment::of_points`). `None` where the readings are too few, or of several ways of measuring, to say what is noise.
 ///
 /// # Errors
 /// Columns of the model that the machine cannot have.

@@ -61,7 +61,7 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let mut location = location::locations(&shapes, &axes);
     let (mut by_joint_fit, mut noise_is_known) = (Vec::new(), false);
     if !location.is_empty() {
-        let experiment = Experiment::new(runs)?;
+        let experiment = Experiment::of_points(runs)?;
         let problem = Problem::new(&experiment, &Model::base(&experiment.machine().name))?;
         by_joint_fit = joint_fit::locations_of(&METHOD, &problem, options.axis)?;
         noise_is_known = location::under_noise(&mut location, &problem)?;

@@ -61,7 +61,7 @@ fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     let grid = Grid::of(&METHOD, runs)?;
     let b_errors = BErrors::of(&METHOD, &grid)?;
     let c_errors = CErrors::of(&grid, &b_errors);
-    let experiment = Experiment::new(runs)?;
+    let experiment = Experiment::of_points(runs)?;
     let problem = Problem::new(&experiment, &Model::base(&grid.machine.name))?;
     let locations = Locations::of(&grid, &b_errors, problem.fit()).under_noise(&problem)?;
     let b_errors = b_errors.without_datum(&locations.datum);

@@ -9,7 +9,6 @@ use super::sigma::NOTHING;
 use super::tails;
 use crate::Experiment;
 use crate::evidence::{joined, orthonormal};
-use crate::fit::identification::Identification;
 use crate::problem::rows::Rows;
 use crate::written::vector;
 use nalgebra::{DMatrix, DVector};
@@ -38,18 +37,6 @@ pub(crate) struct Fitted<'a> {
     pub used: &'a [bool],
     /// The noise of another fit of the same points.
     pub other: Option<&'a Learned>,
-}
-
-impl<'a> Fitted<'a> {
-    pub fn of(fit: &'a Identification) -> Self {
-        Self {
-            row_weights: &fit.row_weights,
-            residual_mm: &fit.residual_mm,
-            predicted_mm: &fit.predicted_mm,
-            used: &fit.used,
-            other: fit.noise.as_ref(),
-        }
-    }
 }
 
 /// What a fit leaves.

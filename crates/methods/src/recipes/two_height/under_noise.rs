@@ -26,7 +26,7 @@ pub(super) fn u_of_lines(runs: &[Run], heights: &Heights) -> Result<Option<Vec<f
     }
     let found = |set: &HeightFit| 3 * set.motion_mm.iter().flatten().count();
     let taken_off = repeated().map(found).sum();
-    let experiment = Experiment::new(&runs)?;
+    let experiment = Experiment::of_points(&runs)?;
     let problem = Problem::new(&experiment, &Model::base(&experiment.machine().name))?;
     let [[u_at_zero, u_slope], [v_at_zero, v_slope]] = &heights.shares_of_centre;
     let shares: [&Shares; 4] = [v_slope, u_slope, u_at_zero, v_at_zero];
