@@ -126,6 +126,10 @@ fn the_page_of_a_named_method_shows_values_charts_and_tables() {
     for point in &mut run.points {
         let ball = run.setups[point.state.setup].ball_in_table_mm;
         point.state.position = run.machine.follow(&point.state.position, &ball).unwrap();
+        // The line of B lies 20 µm off: what stands out of the ±2.5 µm by which the passes differ.
+        let table = run.machine.machine_from_table(&point.state.position, &Default::default());
+        let moved = table.rotation.inverse() * nalgebra::Vector3::new(20e-3, 0.0, 0.0);
+        point.reading_mm.iter_mut().zip(moved.iter()).for_each(|(reading, moved)| *reading += moved);
     }
     let findings = Findings::from(&method.apply(&[run], &MethodOptions::default()).unwrap());
     let page = findings_html(&findings, "Trunnion <test>");
