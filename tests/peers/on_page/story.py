@@ -99,6 +99,3 @@ def sources_are_names(tab, address):
     for path in ["", "/report", "/trial/backlash:C", "/methods", *(f"/method/{name}" for name in methods)]:
         shown = re.findall(r"\bS[0-4]\b.{0,30}|docs/design/.{0,30}", ask(path))
         check(f"gravity{path}: sources are author, year, title", not shown, shown[:3])
-    for name in methods:
-        tab.page.goto(f"{address}/api/runs/gravity/method/{name}")
-        tab.accessible(f"the page of {name}")
