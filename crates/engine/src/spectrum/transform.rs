@@ -7,7 +7,9 @@
 //! on a grid twice as fine as the frequencies ask for [Potts 2001]. What comes back from beyond the grid is 10⁻¹³ of Σ|c|.
 
 use nalgebra::Complex;
+use rustfft::{Fft, FftPlanner};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// M, nodes to either side: 4π(√M + M)·2^(−¼)·e^(−√2 πM) is 10⁻¹³ [Potts 2001].
 const HALF_WIDTH: usize = 8;
@@ -43,8 +45,8 @@ pub(super) struct Transform {
     spread: Vec<(usize, [f64; 2 * HALF_WIDTH])>,
     /// 1/φ̂ of every frequency.
     window: Vec<f64>,
-    /// e^(2πik/n).
-    roots: Vec<Complex<f64>>,
+    /// Σ_l a_l e^(2πikl/n).
+    of_grid: Arc<dyn Fft<f64>>,
 }
 
 impl Transform {
@@ -73,7 +75,7 @@ impl Transform {
             nodes,
             spread: positions.iter().map(spread).collect(),
             window: (0..count).map(transformed).collect(),
-            roots: (0..nodes / 2).map(|k| Complex::from_polar(1.0, TAU * k as f64 / nodes as f64)).collect(),
+            of_grid: FftPlanner::new().plan_fft_inverse(nodes),
         }
     }
 
@@ -94,7 +96,7 @@ impl Transform {
                 grid[(first + l) & (self.nodes - 1)] += c * *window;
             }
         }
-        fourier(&mut grid, &self.roots);
+        self.of_grid.process(&mut grid);
         let of_frequency = |k: usize| grid[(k + self.nodes - self.middle()) & (self.nodes - 1)];
         self.window.iter().enumerate().map(|(k, window)| of_frequency(k) * *window).collect()
     }
@@ -102,30 +104,6 @@ impl Transform {
 
 fn middle(count: usize) -> usize {
     count / 2
-}
-
-/// Σ_l a_l e^(2πikl/n) in place of a, n a power of two [Cooley 1965].
-fn fourier(a: &mut [Complex<f64>], roots: &[Complex<f64>]) {
-    let n = a.len();
-    let bits = n.trailing_zeros();
-    for i in 0..n {
-        let j = i.reverse_bits() >> (usize::BITS - bits);
-        if i < j {
-            a.swap(i, j);
-        }
-    }
-    let mut half = 1;
-    while half < n {
-        for block in a.chunks_exact_mut(2 * half) {
-            let (even, odd) = block.split_at_mut(half);
-            let roots = roots.iter().step_by(n / (2 * half));
-            for ((even, odd), root) in even.iter_mut().zip(odd).zip(roots) {
-                let turned = *odd * *root;
-                (*even, *odd) = (*even + turned, *even - turned);
-            }
-        }
-        half *= 2;
-    }
 }
 
 /// I₀(x) = Σ (x/2)^2m / m!².
