@@ -9,11 +9,11 @@
 
 mod algebra;
 mod best_set;
-mod evidence_of_gram;
+mod of_gram;
 
 pub use algebra::{joined, off, orthonormal, parallel, turned};
 pub use best_set::{BestSet, best_set};
-pub use evidence_of_gram::{Evidence, evidence_of_gram};
+pub use of_gram::{Evidence, evidence_of_gram};
 
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;

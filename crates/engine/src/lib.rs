@@ -32,7 +32,7 @@ pub use fit::identification::{
 };
 pub use fit::identify;
 pub use fit::options::{HeldOut, IdentifyError, Outliers, Uncertainties};
-pub use fit::reading_noise::{Made, Patterns, ReadingNoise};
+pub use fit::reading_noise::{BeyondModel, Patterns, ReadingNoise};
 pub use problem::Problem;
 pub use problem::experiment::Experiment;
 pub use problem::folds::LeftOut;

@@ -1,7 +1,7 @@
 //! Evidence of a block of which some columns may be absent: a carriage that swings need not nod (docs/design/statistics.md §4.3).
 
 use super::algebra::{NO_DIRECTION, turn};
-use super::evidence_of_gram::evidence_of_gram;
+use super::of_gram::evidence_of_gram;
 use crate::noise::learned::Real;
 use crate::noise::learned::sigma::Projected;
 use nalgebra::DMatrix;

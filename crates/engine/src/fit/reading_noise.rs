@@ -13,7 +13,7 @@
 //! the fly are fitted with others of another instrument or at rest, what one of them shows would widen what another knows.
 
 use crate::Experiment;
-use crate::fit::identification::{Identification, NoisePart};
+use crate::fit::identification::NoisePart;
 use crate::fit::mixture::half_width;
 use crate::noise::learned::Real;
 use crate::noise::learned::display::Display;
@@ -47,20 +47,26 @@ pub struct ReadingNoise<'e> {
     /// W q of the rows that are looked at.
     white: DVector<f64>,
     pub(crate) learned: Learned,
-    /// Points that took part in the fit.
+    /// Of the fit: the points that took part, roots of the weights of the rows, what it predicts.
     used: Vec<bool>,
+    row_weights: DVector<f64>,
     predicted_mm: DVector<f64>,
     degrees_of_freedom: usize,
 }
 
-/// Of what numbers are made, next to the model of the fit.
+/// What numbers describe beyond the model of the fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Made {
+pub struct BeyondModel {
     /// Whether a pattern that comes back counts as noise of them.
     pub patterns: Patterns,
     /// How many numbers more than those of the model were taken off the readings before the fit. So much less of the white noise is left; what
     /// moves passes as a whole is.
     pub taken_off: usize,
+}
+
+impl BeyondModel {
+    /// They are numbers of the model.
+    pub const NOTHING: Self = Self { patterns: Patterns::Noise, taken_off: 0 };
 }
 
 /// Rows of columns, visited block by block.
@@ -97,7 +103,6 @@ impl<'e> ReadingNoise<'e> {
         let precision = mode.here.precision();
         let draws = draws(&mode, &precision, &remainder.kernels, &remainder.y);
         let white = learned.white.component_mul(&squares(&mode, &precision));
-        let (used, predicted_mm) = (fitted.used.to_vec(), fitted.predicted_mm.clone());
         Ok(Some(Self {
             experiment,
             remainder,
@@ -105,24 +110,24 @@ impl<'e> ReadingNoise<'e> {
             draws,
             white,
             learned,
-            used,
-            predicted_mm,
+            used: fitted.used.to_vec(),
+            row_weights: fitted.row_weights.clone(),
+            predicted_mm: fitted.predicted_mm.clone(),
             degrees_of_freedom,
         }))
     }
 
     /// Standard uncertainties of numbers, each the sum of all readings times a column of `shares`: rows as in the experiment, inside units per mm.
-    /// `fit`: that next to which the noise was learned.
-    pub fn u(&self, shares: &DMatrix<f64>, fit: &Identification, made: Made) -> DVector<f64> {
+    pub fn u(&self, shares: &DMatrix<f64>, beyond: BeyondModel) -> DVector<f64> {
         let mut weighted = shares.clone();
-        weighted.column_iter_mut().for_each(|mut column| column.component_div_assign(&fit.row_weights));
+        weighted.column_iter_mut().for_each(|mut column| column.component_div_assign(&self.row_weights));
         let everything = 0..self.experiment.points.len();
         let rows = 0..weighted.nrows();
         let blocks = |visit: Visit<'_>| visit(everything.clone(), rows.clone(), weighted.as_view());
         let columns = Columns { width: shares.ncols(), blocks: &blocks };
         let itself = DMatrix::identity(shares.ncols(), shares.ncols());
         let nothing = DMatrix::zeros(shares.ncols(), shares.ncols());
-        let covariance = self.covariance(&columns, &itself, &nothing, made);
+        let covariance = self.covariance(&columns, &itself, &nothing, beyond);
         covariance.diagonal().map(|variance| variance.max(0.0).sqrt())
     }
 
@@ -132,12 +137,12 @@ impl<'e> ReadingNoise<'e> {
         columns: &Columns<'_>,
         turn: &DMatrix<f64>,
         beforehand: &DMatrix<f64>,
-        made: Made,
+        beyond: BeyondModel,
     ) -> DMatrix<f64> {
         let Self { remainder, mode, .. } = self;
         let (of_nodes, of_white) = self.sums(columns);
         let freedom = self.degrees_of_freedom as f64;
-        let white_left = (freedom - made.taken_off as f64).max(1.0) / freedom;
+        let white_left = (freedom - beyond.taken_off as f64).max(1.0) / freedom;
         let s_squared_mm = (mode.s() * remainder.unit_mm).powi(2) / white_left;
         let constant = turn * (of_white * s_squared_mm + beforehand) * turn.transpose();
         let influence = of_nodes * turn.transpose();
@@ -146,7 +151,7 @@ impl<'e> ReadingNoise<'e> {
         let not_corrected = self.correction(&influence);
         let mut of_kernels = remainder.kernels.through(&influence.cast());
         for (kernel, of_kernel) in remainder.kernels.list.iter().zip(&mut of_kernels) {
-            if made.patterns == Patterns::Described && kernel.part == Part::Pattern {
+            if beyond.patterns == Patterns::Described && kernel.part == Part::Pattern {
                 of_kernel.fill(0.0);
             }
         }

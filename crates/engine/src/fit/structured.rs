@@ -11,7 +11,7 @@
 
 use crate::fit::gauss_newton::Converged;
 use crate::fit::identification::NoisePart;
-use crate::fit::reading_noise::{Columns, Made, Patterns, ReadingNoise, on_nodes};
+use crate::fit::reading_noise::{BeyondModel, Columns, ReadingNoise, on_nodes};
 use crate::fit::sensitivity::Sensitivity;
 use crate::noise::learned::remainder::{Fitted, Learned};
 use crate::problem::design::Visit;
@@ -50,12 +50,8 @@ pub(crate) fn structured(
     let means = |rows: &Rows<'_>, _: &_| Ok::<_, Infallible>(means(known, &columns, rows));
     let Ok(noise) = ReadingNoise::learn(design.experiment, &fitted, fit.degrees_of_freedom(), means);
     let noise = noise?;
-    let covariance = noise.covariance(
-        &columns,
-        &known.cofactor,
-        &prior_scores(known, fit),
-        Made { patterns: Patterns::Noise, taken_off: 0 },
-    );
+    let covariance =
+        noise.covariance(&columns, &known.cofactor, &prior_scores(known, fit), BeyondModel::NOTHING);
     Some(Structured { covariance, parts: noise.parts(), noise: noise.learned })
 }
 

@@ -125,8 +125,8 @@ fn tried(run: &Run, rows: &[usize]) -> Vec<(String, f64)> {
 /// What is off with the best mistake undone, mm, and every mistake that undoes it equally well: positions alone cannot choose.
 fn explained(tried: Vec<(String, f64)>) -> Option<(String, f64)> {
     let best_mm = tried.iter().map(|(_, rms_mm)| *rms_mm).fold(f64::INFINITY, f64::min);
-    let same = tried.into_iter().filter(|(_, rms_mm)| *rms_mm < 2.0 * best_mm + 0.01);
-    let listed: Vec<String> = same.map(|(mistake, _)| mistake).take(MOST_LISTED).collect();
+    let as_good = tried.into_iter().filter(|(_, rms_mm)| *rms_mm < 2.0 * best_mm + 0.01);
+    let listed: Vec<String> = as_good.map(|(mistake, _)| mistake).take(MOST_LISTED).collect();
     (best_mm < TOGETHER_MM).then(|| (listed.join(", or "), best_mm))
 }
 

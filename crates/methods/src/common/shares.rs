@@ -3,14 +3,14 @@
 //! x = x₀ + Σ_i h_i r_i,   u² = hᵀΣh      Σ: what a fit of all location errors and settings learns of the readings [docs/design/statistics.md §1]
 //!
 //! Σ holds what the scatter within a pass cannot show: offsets from pass to pass and from setup to setup, and drift; where no reading shows
-//! them, of the size that is usual for machines. A pattern over the poses that comes back is an error motion, whose mean belongs to the
-//! average line of the axis [ISO 230-7]: it is no noise of what is given here.
+//! them, of the size that is usual for machines. Whether a pattern over the poses that comes back is noise or a part of what is given, the
+//! recipe says ([`trunnion_engine::Patterns`]).
 //! Limits: those of the noise; h where the recipe is linear only near the readings, as where a setting is taken off beyond first order.
 
 use crate::recipes::MethodError;
 use nalgebra::DMatrix;
 use trunnion_engine::solve::linear::LinearFit;
-use trunnion_engine::{Made, Problem};
+use trunnion_engine::{BeyondModel, Problem};
 
 /// h: number of a point in the experiment, component of its reading, share.
 #[derive(Clone, Debug, Default)]
@@ -49,7 +49,7 @@ impl Shares {
 pub(crate) fn u_under_noise(
     problem: &Problem<'_>,
     numbers: &[&Shares],
-    made: Made,
+    beyond: BeyondModel,
 ) -> Result<Option<Vec<f64>>, MethodError> {
     let Some(noise) = problem.reading_noise()? else { return Ok(None) };
     let experiment = problem.experiment();
@@ -59,5 +59,5 @@ pub(crate) fn u_under_noise(
             column[experiment.rows_of(point).start + component] += share;
         }
     }
-    Ok(Some(noise.u(&shares, problem.fit(), made).iter().copied().collect()))
+    Ok(Some(noise.u(&shares, beyond).iter().copied().collect()))
 }

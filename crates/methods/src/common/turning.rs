@@ -87,35 +87,29 @@ impl Turning {
             return Err(method.lacks(found, format!("Choose --axis {}.", rotary.join(" or "))));
         }
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
-        for Mounted { name, at, run, setup, points, numbers } in mounted(runs) {
-            match alone(machine, setup, &points) {
-                Ok(letter) if asked.is_none_or(|asked| asked == letter) => {
-                    found.push((letter, name, at, run, setup, points, numbers));
-                }
+        for mounted in mounted(runs) {
+            let name = &mounted.name;
+            match alone(machine, mounted.setup, &mounted.points) {
+                Ok(letter) if asked.is_none_or(|asked| asked == letter) => found.push((letter, mounted)),
                 Ok(letter) => left_out.push(format!("setup {name}: axis {letter} turns there")),
                 Err(why) => left_out.push(format!("setup {name}: {why}")),
             }
         }
-        let Some(&(axis, ..)) = found.first() else {
+        let Some((axis, first)) = found.first().map(|(axis, first)| (*axis, first)) else {
             let wanted = asked.map_or("a rotary axis".into(), |letter| format!("axis {letter}"));
             let found = format!("in no setup does {wanted} turn alone ({})", left_out.join("; "));
             return Err(method.lacks(found, "Run a cycle such as config/cycles/two-height-c.toml."));
         };
-        if let Some((other, name, ..)) = found.iter().find(|(letter, ..)| *letter != axis) {
-            let found = format!("axis {axis} turns alone in setup {}, {other} in setup {name}", found[0].1);
+        if let Some((other, Mounted { name, .. })) = found.iter().find(|(letter, _)| *letter != axis) {
+            let found = format!("axis {axis} turns alone in setup {}, {other} in setup {name}", first.name);
             return Err(method.lacks(found, format!("Choose one with --axis {axis} or --axis {other}.")));
         }
         let place = Placed::of(machine, axis).ok_or_else(|| {
             let found = format!("axis {axis} of machine {} lies along no coordinate", machine.name);
             method.lacks(found, "Use the joint fit (identify without --method).")
         })?;
-        type Found<'r> = (Joint, String, usize, &'r Run, &'r Setup, Vec<&'r Point>, Vec<usize>);
-        let set = |(_, name, at, _, setup, points, numbers): &Found<'_>| TurningSet {
-            run: *at,
-            ..place.set(name, setup, points, numbers)
-        };
-        let sets = found.iter().map(set).collect();
-        let on_the_fly = found.iter().any(|(_, _, _, run, ..)| run.kind == RunKind::OnTheFly);
+        let sets = found.iter().map(|(_, mounted)| place.set(mounted)).collect();
+        let on_the_fly = found.iter().any(|(_, mounted)| mounted.run.kind == RunKind::OnTheFly);
         Ok(Self { axis, frame: place.frame, sets, on_the_fly, left_out })
     }
 
@@ -204,15 +198,16 @@ impl<'a> Placed<'a> {
         })
     }
 
-    fn set(&self, name: &str, setup: &Setup, points: &[&Point], numbers: &[usize]) -> TurningSet {
+    fn set(&self, mounted: &Mounted<'_>) -> TurningSet {
+        let Mounted { name, at, setup, points, numbers, .. } = mounted;
         let numbered = points.iter().zip(numbers);
         let mut readings: Vec<Turned> =
-            numbered.map(|(point, &number)| Turned { number, ..self.turned(setup, point) }).collect();
+            numbered.map(|(point, &number)| self.turned(setup, point, number)).collect();
         let passes = number_passes(&mut readings);
         let position = points[0].state.position;
         TurningSet {
-            name: name.into(),
-            run: 0,
+            name: name.clone(),
+            run: *at,
             height_mm: self.height_mm(setup, &position),
             readings,
             passes,
@@ -220,7 +215,7 @@ impl<'a> Placed<'a> {
         }
     }
 
-    fn turned(&self, setup: &Setup, point: &Point) -> Turned {
+    fn turned(&self, setup: &Setup, point: &Point, number: usize) -> Turned {
         let position = &point.state.position;
         let tool_against_table = tool_against_table_mm(self.machine, setup, point);
         let carried = match self.side {
@@ -240,7 +235,7 @@ impl<'a> Placed<'a> {
             pass: 0,
             moved_mm: Vector3::from_fn(|k, _| in_carrier[self.frame[k].index()]),
             moved_per_reading: Matrix3::from_fn(|k, of| sense * per_reading[(self.frame[k].index(), of)]),
-            number: 0,
+            number,
         }
     }
 

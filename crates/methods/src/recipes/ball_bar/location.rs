@@ -7,7 +7,7 @@ use crate::common::shares::{Shares, u_under_noise};
 use crate::recipes::{Convention, MethodError};
 use trunnion_core::Joint;
 use trunnion_effects::Unit;
-use trunnion_engine::{Made, Patterns, Problem};
+use trunnion_engine::{BeyondModel, Patterns, Problem};
 
 /// A location error, right-handed, inside units.
 pub(super) struct Location {
@@ -84,8 +84,8 @@ pub(super) fn locations(shapes: &[Shape], axes: &[AxisShapes]) -> Vec<Location> 
 /// With u under the noise that all readings show together; false where they show none, so that u stays what the centring leaves.
 pub(super) fn under_noise(found: &mut [Location], problem: &Problem<'_>) -> Result<bool, MethodError> {
     let shares: Vec<&Shares> = found.iter().map(|location| &location.shares).collect();
-    let made = Made { patterns: Patterns::Described, taken_off: 0 };
-    let Some(u) = u_under_noise(problem, &shares, made)? else { return Ok(false) };
+    let beyond = BeyondModel { patterns: Patterns::Described, ..BeyondModel::NOTHING };
+    let Some(u) = u_under_noise(problem, &shares, beyond)? else { return Ok(false) };
     found.iter_mut().zip(u).for_each(|(location, u)| location.u = u);
     Ok(true)
 }

@@ -4,6 +4,7 @@ use super::nest_calibration::commanded_mm;
 use crate::common::relative::{machine_from_reading, tool_against_table_mm};
 use crate::common::shares::Shares;
 use crate::common::stations::Stations;
+use crate::common::{Mounted, mounted};
 use crate::recipes::{Method, MethodError, one_machine};
 use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 use trunnion_core::{InstrumentKind, Joint, Point, Setup, Twist};
@@ -69,31 +70,27 @@ impl<'a> Grid<'a> {
         };
         let mut left_out = Vec::new();
         let mut readings: Vec<Reading<'_>> = Vec::new();
-        let mut next = 0;
-        for (i, run) in runs.iter().enumerate() {
-            let first = next;
-            next += run.good_points().count();
+        for Mounted { name, run, setup, points, numbers, .. } in mounted(runs) {
             if run.kind == RunKind::OnTheFly {
                 left_out.push(format!("run {}: read on the fly", run.name));
+                left_out.dedup();
                 continue;
             }
-            for (s, setup) in run.setups.iter().enumerate() {
-                let name =
-                    if runs.len() > 1 { format!("{}.{}", i + 1, setup.name) } else { setup.name.clone() };
-                if setup.instrument != InstrumentKind::RTest {
-                    left_out.push(format!("setup {name}: read by a {}", setup.instrument.name()));
-                    continue;
-                }
-                let of_setup = || (first..).zip(run.good_points()).filter(|(_, p)| p.state.setup == s);
-                let off_mm = of_setup().map(|(_, p)| commanded_mm(run, p).norm()).fold(0.0, f64::max);
-                if off_mm > MOST_OFF_MM {
-                    let found =
-                        format!("in setup {name} the ball is commanded up to {off_mm:.1} mm off the nest");
-                    return Err(method
-                        .lacks(found, "Check the positions of the linear axes and the place of the nest."));
-                }
-                readings.extend(of_setup().map(|(number, point)| (name.clone(), setup, number, point)));
+            if setup.instrument != InstrumentKind::RTest {
+                left_out.push(format!("setup {name}: read by a {}", setup.instrument.name()));
+                continue;
             }
+            let off_mm = points.iter().map(|point| commanded_mm(run, point).norm()).fold(0.0, f64::max);
+            if off_mm > MOST_OFF_MM {
+                let found =
+                    format!("in setup {name} the ball is commanded up to {off_mm:.1} mm off the nest");
+                return Err(
+                    method.lacks(found, "Check the positions of the linear axes and the place of the nest.")
+                );
+            }
+            readings.extend(
+                numbers.into_iter().zip(points).map(|(number, point)| (name.clone(), setup, number, point)),
+            );
         }
         let angles =
             |letter| Stations::of_grid(readings.iter().map(|(.., p)| p.state.position[letter]), false);

@@ -14,7 +14,7 @@ use trunnion_core::{Joint, LEVER_MM, Twist};
 use trunnion_effects::Unit;
 use trunnion_effects::catalogue::LOCATION_ERRORS;
 use trunnion_engine::solve::linear::least_squares;
-use trunnion_engine::{FittedParameter, Identification, Made, Patterns, Problem};
+use trunnion_engine::{BeyondModel, FittedParameter, Identification, Problem};
 use trunnion_machine::propagation::JointFrame;
 
 /// Location errors by maps and by the joint fit.
@@ -104,15 +104,12 @@ impl Locations {
             constants: part(0..first),
         }
     }
-}
 
-impl Locations {
     /// With u under the noise that all readings show together, where they say what is noise. What varies over the map is a part of it: constants do
     /// not describe it.
     pub fn under_noise(mut self, problem: &Problem<'_>) -> Result<Self, MethodError> {
         let shares: Vec<&Shares> = self.rows.iter().map(|row| &row.shares).collect();
-        let made = Made { patterns: Patterns::Noise, taken_off: 0 };
-        if let Some(u) = u_under_noise(problem, &shares, made)? {
+        if let Some(u) = u_under_noise(problem, &shares, BeyondModel::NOTHING)? {
             self.rows.iter_mut().zip(u).for_each(|(row, u)| row.u_by_map = u);
         }
         Ok(self)

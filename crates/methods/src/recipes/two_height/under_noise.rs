@@ -9,7 +9,7 @@ use crate::recipes::MethodError;
 use nalgebra::Vector3;
 use trunnion_cycles::Run;
 use trunnion_effects::Model;
-use trunnion_engine::{Experiment, Made, Patterns, Problem};
+use trunnion_engine::{BeyondModel, Experiment, Patterns, Problem};
 
 /// Of the tilts about u and v, then of the places along u and v; `None` where the readings do not say what is noise.
 pub(super) fn u_of_lines(runs: &[Run], heights: &Heights) -> Result<Option<Vec<f64>>, MethodError> {
@@ -30,5 +30,5 @@ pub(super) fn u_of_lines(runs: &[Run], heights: &Heights) -> Result<Option<Vec<f
     let problem = Problem::new(&experiment, &Model::base(&experiment.machine().name))?;
     let [[u_at_zero, u_slope], [v_at_zero, v_slope]] = &heights.shares_of_centre;
     let shares: [&Shares; 4] = [v_slope, u_slope, u_at_zero, v_at_zero];
-    u_under_noise(&problem, &shares, Made { patterns: Patterns::Described, taken_off })
+    u_under_noise(&problem, &shares, BeyondModel { patterns: Patterns::Described, taken_off })
 }
