@@ -12,7 +12,7 @@ mod material;
 mod measure;
 mod questions;
 
-use material::{at_rest, on_the_fly, run};
+use material::{at_rest, laps_at_rest, on_the_fly, run};
 use measure::{cpu_s, peak_mib, yardstick_s};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -36,7 +36,7 @@ struct Work {
     prepare: fn(&Path) -> Box<dyn FnOnce() -> String>,
 }
 
-const WORKS: [Work; 15] = [
+const WORKS: [Work; 16] = [
     Work {
         name: "fit-1e5",
         about: "fit of the base model to 10⁵ samples on the fly, each a point",
@@ -60,13 +60,19 @@ const WORKS: [Work; 15] = [
         name: "diagnose-336",
         about: "diagnosis of 336 points at rest",
         write: |_| {},
-        prepare: |_| diagnosis(7, 12),
+        prepare: |_| diagnosis(grid_336()),
     },
     Work {
         name: "diagnose-3000",
         about: "diagnosis of 3000 points at rest",
         write: |_| {},
-        prepare: |_| diagnosis(25, 30),
+        prepare: |_| diagnosis(grid_run(25, 30)),
+    },
+    Work {
+        name: "diagnose-laps",
+        about: "diagnosis of a circle of three laps each way at rest, 5400 points of which no place comes back",
+        write: |_| {},
+        prepare: |_| diagnosis(laps_at_rest()),
     },
     Work {
         name: "questions-336",
@@ -258,8 +264,7 @@ fn read_points(folder: &Path) -> Box<dyn FnOnce() -> String> {
 }
 
 /// A grid of so many stations of B and C, both ways, in two setups.
-fn diagnosis(tilts: u32, turns: u32) -> Box<dyn FnOnce() -> String> {
-    let run = grid_run(tilts, turns);
+fn diagnosis(run: Run) -> Box<dyn FnOnce() -> String> {
     Box::new(move || format!("{} points, first: {}", run.points.len(), first_found(&run)))
 }
 
@@ -282,7 +287,7 @@ fn grid_run(tilts: u32, turns: u32) -> Run {
 /// The effect that a diagnosis puts first.
 fn first_found(run: &Run) -> String {
     let experiment = Experiment::new(std::slice::from_ref(run)).unwrap();
-    let model = Model::base("table-bc");
+    let model = Model::base(&run.machine.name);
     let found = trunnion_engine::diagnose(&experiment, &model, &Default::default()).unwrap();
     found.candidates.first().map_or("nothing".into(), |candidate| candidate.effect.clone())
 }

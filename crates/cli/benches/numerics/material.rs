@@ -1,8 +1,12 @@
 //! Runs to work on.
 
 use nalgebra::Point3;
-use trunnion_core::{InstrumentKind, NestSide, Point, Quality, Setup, State};
-use trunnion_cycles::{Run, RunKind};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::TAU;
+use trunnion_core::{InstrumentKind, Joint, NestSide, Point, Quality, Setup, State};
+use trunnion_cycles::{Cycle, Run, RunKind};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth};
 use trunnion_machine::shipped;
@@ -51,6 +55,42 @@ pub fn on_the_fly(samples: u32) -> Run {
         }
         states
     })
+}
+
+/// A ball bar around a circle in XY, three laps each way, read at rest; the places scatter by 3 µm, so that none comes back.
+pub fn laps_at_rest() -> Run {
+    const LAPS: [f64; 6] = [1.0, 1.0, 1.0, -1.0, -1.0, -1.0];
+    const POINTS: u32 = 900;
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/cycles/circle-xy.toml");
+    let cycle = Cycle::parse(path, &std::fs::read_to_string(path).unwrap()).unwrap();
+    let length_mm = cycle.setups[0].bar_length_mm.unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+    let mut points = Vec::new();
+    for (lap, way) in LAPS.into_iter().enumerate() {
+        for i in 0..POINTS {
+            let angle = way * TAU * f64::from(i) / f64::from(POINTS);
+            let mut state = State { time_s: Some((points.len() + 100 * lap) as f64), ..State::default() };
+            let place = [length_mm * angle.cos(), length_mm * angle.sin()].map(|mm| mm + 3e-3 * normal());
+            let heading = [-way * angle.sin(), way * angle.cos()].map(f64::signum);
+            for (k, letter) in [Joint::X, Joint::Y].into_iter().enumerate() {
+                (state.position[letter], state.direction[letter]) = (place[k], heading[k]);
+            }
+            state.position[Joint::Z] = 100.0;
+            let [x, y] = [0, 1].map(|k| place[k] + 1e-3 * heading[k]);
+            let reading_mm = [x.hypot(y) - length_mm + 1e-4 * normal(), 0.0, 0.0];
+            points.push(Point { state, reading_mm, spread_mm: [0.0; 3], samples: 0, quality: Quality::Good });
+        }
+    }
+    let machine = shipped::machine(&cycle.machine).unwrap();
+    Run {
+        name: "bench".into(),
+        machine,
+        kind: RunKind::Static,
+        setups: cycle.setups,
+        channels: Vec::new(),
+        points,
+    }
 }
 
 /// The same points as if each had been read at rest.
