@@ -118,21 +118,33 @@ fn too_long(run: &Run) -> Option<Implausible> {
     })
 }
 
-/// Poses at rest in too quick a sequence. Equal times say nothing of it, and points that were formed from samples have the times of a clock.
+/// Poses at rest in too quick a sequence, or rows on the fly in one that no axis follows. Equal times say nothing of it, and points that were
+/// formed from samples have the times of a clock.
 fn too_fast(run: &Run) -> Option<Implausible> {
-    if run.kind != RunKind::Static || run.points.iter().any(|point| point.samples > 1) {
+    if run.points.iter().any(|point| point.samples > 1) {
         return None;
     }
     let Pace { usual_s, usual, .. } = Pace::of(run, FASTEST_RAD_PER_S, FASTEST_MM_PER_S)?;
-    (usual > 1.0).then(|| {
-        let off_usual = |(_, factor): &&(&str, f64)| (usual_s * factor / USUAL_S).ln().abs();
-        let (unit, factor) =
-            UNITS.iter().min_by(|a, b| off_usual(a).total_cmp(&off_usual(b))).unwrap_or(&UNITS[0]);
-        plain(
-            format!(
+    let (finding, (unit, factor)) = match run.kind {
+        RunKind::Static => {
+            let off_usual = |(_, factor): &&(&str, f64)| (usual_s * factor / USUAL_S).ln().abs();
+            let finding = format!(
                 "{}: its poses at rest are {usual_s:.3} s apart, for which an axis would have to move at more than 360°/s or 60 m/min and stop.",
                 run.name
-            ),
+            );
+            (finding, UNITS.iter().min_by(|a, b| off_usual(a).total_cmp(&off_usual(b))).unwrap_or(&UNITS[0]))
+        }
+        RunKind::OnTheFly => {
+            let finding = format!(
+                "{}: on the fly its rows are {usual_s:.6} s apart, for which an axis would have to move at more than 360°/s or 60 m/min.",
+                run.name
+            );
+            (finding, &UNITS[0])
+        }
+    };
+    (usual > 1.0).then(|| {
+        plain(
+            finding,
             &format!(
                 "In {unit} instead of seconds (factor {factor}) it would be plausible. Check the units of time_s."
             ),
@@ -323,6 +335,14 @@ mod tests {
             "{said}"
         );
         assert_eq!(words(circle(1.6)), "", "98 mm/min is slow, and possible");
+    }
+
+    #[test]
+    fn minutes_in_the_column_of_seconds_are_named_on_the_fly() {
+        // 2.6 mm every 0.08 s are 2 m/min, and 118 m/min by minutes.
+        let said = words(circle(0.08 / 60.0));
+        assert!(said.contains("In minutes instead of seconds (factor 60)"), "{said}");
+        assert_eq!(words(circle(0.01)), "", "16 m/min is fast, and possible");
     }
 
     #[test]
