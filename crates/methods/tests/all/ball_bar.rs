@@ -368,7 +368,7 @@ const STEPS_UM: f64 = 0.1;
 #[test]
 fn a_ball_set_off_the_axis_is_no_place_and_no_oval() {
     let (mut squares, mut count) = (0.0, 0.0);
-    let mut shifted_u: f64 = 0.0;
+    let (mut shifted_u, mut largest_mm): (f64, f64) = (0.0, 0.0);
     for seed in 0..8 {
         let place = |k: u64, l: u64| ((seed * 31 + k * 7 + l * 17) % 11) as f64 * 0.06 - 0.3;
         let settings: [[f64; 3]; 5] =
@@ -382,6 +382,10 @@ fn a_ball_set_off_the_axis_is_no_place_and_no_oval() {
             count += 1.0;
             shifted_u = shifted_u.max((found.value - in_place.value).abs() / found.u.unwrap());
         }
+        let in_white_noise = by(&[set_off(&settings, 0.1, 0.0, seed)], Convention::RightHanded);
+        for name in ["EX0C", "EY0C"] {
+            largest_mm = largest_mm.max(value(&in_white_noise, name).abs());
+        }
         for name in ["EXC", "EYC"] {
             let range = found.value(&format!("{name} range"));
             assert!(range.is_none(), "settings {settings:?}: {range:?}");
@@ -392,4 +396,6 @@ fn a_ball_set_off_the_axis_is_no_place_and_no_oval() {
     assert!((0.6..1.4).contains(&rms), "rms of value over u: {rms}");
     // Second order of 300 µm over the length of the bar, taken off; it leaves 0.0015 here.
     assert!(shifted_u < 0.01, "{shifted_u} u from where balls in place are");
+    // White noise of 0.1 µm lets a hundredth of a micrometre pass.
+    assert!(largest_mm < 0.05 * UM, "{largest_mm} mm");
 }
