@@ -125,26 +125,19 @@ fn too_fast(run: &Run) -> Option<Implausible> {
         return None;
     }
     let Pace { usual_s, usual, .. } = Pace::of(run, FASTEST_RAD_PER_S, FASTEST_MM_PER_S)?;
-    let (finding, (unit, factor)) = match run.kind {
-        RunKind::Static => {
-            let off_usual = |(_, factor): &&(&str, f64)| (usual_s * factor / USUAL_S).ln().abs();
-            let finding = format!(
-                "{}: its poses at rest are {usual_s:.3} s apart, for which an axis would have to move at more than 360°/s or 60 m/min and stop.",
-                run.name
-            );
-            (finding, UNITS.iter().min_by(|a, b| off_usual(a).total_cmp(&off_usual(b))).unwrap_or(&UNITS[0]))
-        }
-        RunKind::OnTheFly => {
-            let finding = format!(
-                "{}: on the fly its rows are {usual_s:.6} s apart, for which an axis would have to move at more than 360°/s or 60 m/min.",
-                run.name
-            );
-            (finding, &UNITS[0])
-        }
+    let off_usual = |(_, factor): &&(&str, f64)| (usual_s * factor / USUAL_S).ln().abs();
+    let nearest = UNITS.iter().min_by(|a, b| off_usual(a).total_cmp(&off_usual(b)));
+    // On the fly there is no usual time from row to row: the unit that is the least off.
+    let (rows, digits, and_stop, (unit, factor)) = match run.kind {
+        RunKind::Static => ("its poses at rest", 3, " and stop", nearest.unwrap_or(&UNITS[0])),
+        RunKind::OnTheFly => ("on the fly its rows", 6, "", &UNITS[0]),
     };
     (usual > 1.0).then(|| {
         plain(
-            finding,
+            format!(
+                "{}: {rows} are {usual_s:.digits$} s apart, for which an axis would have to move at more than 360°/s or 60 m/min{and_stop}.",
+                run.name
+            ),
             &format!(
                 "In {unit} instead of seconds (factor {factor}) it would be plausible. Check the units of time_s."
             ),
@@ -341,7 +334,11 @@ mod tests {
     fn minutes_in_the_column_of_seconds_are_named_on_the_fly() {
         // 2.6 mm every 0.08 s are 2 m/min, and 118 m/min by minutes.
         let said = words(circle(0.08 / 60.0));
-        assert!(said.contains("In minutes instead of seconds (factor 60)"), "{said}");
+        assert!(
+            said.contains("rows are 0.001333 s apart")
+                && said.contains("In minutes instead of seconds (factor 60)"),
+            "{said}"
+        );
         assert_eq!(words(circle(0.01)), "", "16 m/min is fast, and possible");
     }
 
