@@ -120,8 +120,11 @@ impl<'a> Problem<'a> {
         model
     }
 
-    /// Columns of the free parameters of the model at the shapes fitted, of points of the same scene; rows × columns.
-    pub(crate) fn columns(&self, experiment: &Experiment) -> Result<DMatrix<f64>, IdentifyError> {
+    /// Columns of the free parameters of the model at the shapes fitted, of points of the same scene; rows × columns, mm per inside unit.
+    ///
+    /// # Errors
+    /// The model has an effect that the machine cannot have.
+    pub fn columns(&self, experiment: &Experiment) -> Result<DMatrix<f64>, IdentifyError> {
         let mut all = DMatrix::zeros(experiment.rows(), 0);
         for (entry, fitted) in self.model.effects.iter().zip(&self.fit.effects) {
             let instance = Instance::from_model_effect(entry, experiment.machine())?;

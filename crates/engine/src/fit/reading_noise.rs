@@ -24,6 +24,7 @@ use crate::noise::learned::remainder::{Fitted, Learned, Remainder};
 use crate::problem::design::Visit;
 use crate::problem::rows::Rows;
 use nalgebra::{DMatrix, DVector};
+use std::convert::Infallible;
 use trunnion_core::statistics::COVERAGE_95;
 use trunnion_cycles::RunKind;
 
@@ -115,6 +116,28 @@ impl<'e> ReadingNoise<'e> {
             predicted_mm: fitted.predicted_mm.clone(),
             degrees_of_freedom,
         }))
+    }
+
+    /// The noise of readings of which columns that somebody fitted, every reading alike, leave `left_mm`: rows as in the experiment. `used`: the
+    /// points that took part. `None` outside the limits.
+    pub fn next_to(
+        experiment: &'e Experiment,
+        columns: &DMatrix<f64>,
+        left_mm: &DVector<f64>,
+        used: &[bool],
+    ) -> Option<Self> {
+        let fitted = Fitted {
+            row_weights: &DVector::repeat(experiment.rows(), 1.0),
+            residual_mm: left_mm,
+            predicted_mm: &(experiment.readings_mm() - left_mm),
+            used,
+            other: None,
+        };
+        let left_out = experiment.unused_rows(used).count();
+        let degrees_of_freedom = experiment.rows().saturating_sub(left_out + columns.ncols());
+        let on_rows = |rows: &Rows<'e>, _: &_| Ok::<_, Infallible>(rows.of(columns.clone()));
+        let Ok(noise) = Self::learn(experiment, &fitted, degrees_of_freedom, on_rows);
+        noise
     }
 
     /// Standard uncertainties of numbers, each the sum of all readings times a column of `shares`: rows as in the experiment, inside units per mm.

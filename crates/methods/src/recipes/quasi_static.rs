@@ -5,10 +5,13 @@
 //! q and r do not depend on the feed: geometry, and what changes with the direction (backlash). s is proportional to the speed and flips with the
 //! way (lag, delay); a is proportional to f², as accelerations on one path are. With one way, s is the part ∝ f, and a needs a third feed.
 //! Least squares, every sweep alike; with ν = sweeps − parts degrees of freedom, u = t(0.95; ν)/1.96 · s_ε √C_jj, so that ± 1.96 u holds 95 %
-//! [Abramowitz 1964 §26.7]. An error depends on the feed where s or a is beyond its t at 5 % over all of them (Bonferroni).
+//! [Abramowitz 1964 §26.7]. u of q is no smaller than under the noise that all readings show together (`noise`): the sweeps' scatter does not show what
+//! moves all of them. An error depends on the feed where s or a is beyond its t at 5 % over all of them (Bonferroni).
 //! Limits: on the fly, one rotary axis or a path of linear axes at constant feeds; what drifts while the feeds follow one another passes for a part of the feed; what the base model
 //! does not describe stays in the residual, which is given by feed.
 
+mod noise;
+mod read;
 mod report;
 mod split;
 mod sweeps;
@@ -34,6 +37,6 @@ pub(super) static METHOD: Method = Method {
 fn run(runs: &[Run], options: &MethodOptions) -> Result<Findings, MethodError> {
     one_machine(runs)?;
     let sweeps = sweeps::fitted(&METHOD, runs, options.axis)?;
-    let parts = split::parts(&METHOD, &sweeps)?;
+    let parts = split::parts(&METHOD, runs, &sweeps)?;
     Ok(report::findings(&METHOD, runs, &sweeps, &parts))
 }

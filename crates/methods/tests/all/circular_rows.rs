@@ -184,8 +184,8 @@ fn rounded_positions_blow_no_uncertainty_up() {
         let found = bench.circular();
         // Rounding to 1 µm is a noise of 0.3 µm.
         for (name, truth, most_u) in [
-            ("EC0Y", 30e-6, 0.2e-6),
-            ("scale X−Y", 20e-6, 0.2e-6),
+            ("EC0Y", 30e-6, 0.3e-6),
+            ("scale X−Y", 20e-6, 0.3e-6),
             ("servo X−Y", 0.3e-3, 0.005e-3),
             ("backlash X", -4.0 * UM, 0.06 * UM),
             ("backlash Y", 2.0 * UM, 0.06 * UM),

@@ -1,7 +1,7 @@
 //! A drift in time next to the list: by how much the same circle reads longer from minute to minute.
 //!
 //! c: the time of each reading. Its amount next to the list is that of any other cause ([`super::confounded`]); u of every error of the list holds
-//! the drift already, as what is left is then correlated.
+//! the drift already, as it is learned with the noise.
 //! Limits: a straight drift. One that comes and goes within the run shows by its mean slope.
 
 use super::confounded::amount_next_to;

@@ -14,7 +14,8 @@ use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 use std::ops::Range;
 use trunnion_core::statistics::{MEDIAN_OF_NORMAL, upper_median};
-use trunnion_engine::solve::linear::least_squares;
+use trunnion_engine::solve::linear::{LinearFit, least_squares};
+use trunnion_engine::{BeyondModel, Experiment, ReadingNoise};
 use trunnion_machine::Machine;
 
 /// Decays of a spike that are tried, as shares of the radius.
@@ -107,7 +108,7 @@ impl<'a> Fitted<'a> {
         let design = with_decays(trace, &list, decay_mm, design(trace, &list, decay_mm));
         let fit = least_squares(&design, &deviation, TOLERANCE);
         let left = (&deviation - &design * &fit.x).map(|mm| without(mm, ROUNDING_MM));
-        let widened = widened(&left);
+        let u_of_columns = u_of_columns(trace, &design, &fit, &left);
         let kinds: Vec<ListedKind> = list.iter().map(|item| item.kind).collect();
         let others = others(trace, &kinds, &design, &left);
         let mut errors = Vec::new();
@@ -118,7 +119,7 @@ impl<'a> Fitted<'a> {
             let of_columns = DVector::from_iterator(count, its.clone().map(|k| rounding(design.column(k))));
             let x = fit.x.rows(first, count).zip_map(&of_columns, without);
             let made = centred(&(design.columns(first, count) * &x));
-            let own_u = widened * fit.u.rows(first, count).norm() / (count as f64).sqrt();
+            let own_u = u_of_columns.rows(first, count).norm() / (count as f64).sqrt();
             let moved = others.iter().flatten().map(|other| other.moved(&its)).fold(0.0, f64::max);
             errors.push(FittedError {
                 value: one_number(&x),
@@ -236,6 +237,21 @@ impl Iso {
             g_mm,
         })
     }
+}
+
+/// u of each column of the fit under the noise that the readings show next to all of them; by what is left and its correlation where they are too
+/// few to say what is noise.
+fn u_of_columns(trace: &Trace, design: &DMatrix<f64>, fit: &LinearFit, left: &DVector<f64>) -> DVector<f64> {
+    let by_what_is_left = || &fit.u * widened(left);
+    let Ok(experiment) = Experiment::of_points(std::slice::from_ref(&trace.run)) else {
+        return by_what_is_left();
+    };
+    if experiment.rows() != left.len() {
+        return by_what_is_left();
+    }
+    let noise = ReadingNoise::next_to(&experiment, design, left, &vec![true; trace.run.points.len()]);
+    let shares = design * &fit.cofactor;
+    noise.map_or_else(by_what_is_left, |noise| noise.u(&shares, BeyondModel::NOTHING))
 }
 
 /// Deviations as if the ball sat so little off the centre that it reads as cos φ and sin φ alone.

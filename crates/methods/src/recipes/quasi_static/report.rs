@@ -158,6 +158,11 @@ fn notes(sweeps: &Sweeps, parts: &Parts) -> Vec<String> {
         parts.separated.len(),
         parts.degrees_of_freedom
     ));
+    if parts.noise_is_known {
+        notes.push(
+            "u of a quasi-static part also holds what moves all sweeps together, such as drift.".into(),
+        );
+    }
     if !parts.both_ways {
         notes.push(
             "One way only: what changes with the direction is in the quasi-static part. Run every feed both ways."

@@ -1,5 +1,7 @@
 //! Least squares of each error over the sweeps: quasi-static part, and parts with way, speed and acceleration.
 
+use super::noise::u_of_quasi_static;
+use super::read::Read;
 use super::sweeps::Sweeps;
 use crate::common::feed;
 use crate::common::of_few::widening;
@@ -8,6 +10,7 @@ use crate::control_chart::t_beyond;
 use crate::recipes::{Method, MethodError};
 use nalgebra::{DMatrix, DVector};
 use trunnion_core::statistics::COVERAGE_95;
+use trunnion_cycles::Run;
 
 /// A part of an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +45,8 @@ pub(super) struct Parts {
     pub both_ways: bool,
     pub separated: Vec<Part>,
     pub degrees_of_freedom: usize,
+    /// u of the quasi-static part holds the noise of all readings, not the scatter of the sweeps alone.
+    pub noise_is_known: bool,
     /// One for each error: value and u of each separated part, inside units.
     pub of_errors: Vec<Vec<(f64, f64)>>,
 }
@@ -57,7 +62,7 @@ impl Parts {
     }
 
     /// Errors that depend on the feed: of n parts one is beyond t(0.05/n; ν) [Bonferroni], so that where none depends any is named with a probability
-    /// of 5 %. u holds t(0.05; ν)/1.96 already.
+    /// of 5 %. u is that of which ± 1.96 u holds 95 %, so it holds t(0.05; ν)/1.96 already.
     pub fn significant(&self) -> Vec<usize> {
         let count =
             self.of_errors.len() * self.separated.iter().filter(|part| part.depends_on_feed()).count();
@@ -73,7 +78,7 @@ impl Parts {
     }
 }
 
-pub(super) fn parts(method: &Method, sweeps: &Sweeps) -> Result<Parts, MethodError> {
+pub(super) fn parts(method: &Method, runs: &[Run], sweeps: &Sweeps) -> Result<Parts, MethodError> {
     let all = &sweeps.all;
     let fastest = all.iter().map(|sweep| sweep.feed).fold(0.0, f64::max);
     let feeds = feed::feeds(all.iter().map(|sweep| sweep.feed).collect()).len();
@@ -109,16 +114,28 @@ pub(super) fn parts(method: &Method, sweeps: &Sweeps) -> Result<Parts, MethodErr
             method.lacks("the two directions were run at different feeds", "Run every feed both ways.")
         );
     };
+    let from_sweeps = &cofactor * design.transpose();
+    let read: Option<Vec<&Read>> = all.iter().map(|sweep| sweep.read.as_ref()).collect();
+    let of_quasi_static: Vec<f64> = from_sweeps.row(0).iter().copied().collect();
+    let under_noise = match read {
+        Some(read) => u_of_quasi_static(runs, &read, &design, &of_quasi_static)?,
+        None => None,
+    };
     let wider = widening(freedom);
     let of_error = |error: usize| {
         let values = DVector::from_iterator(all.len(), all.iter().map(|sweep| sweep.values[error]));
-        let solution = &cofactor * design.tr_mul(&values);
+        let solution = &from_sweeps * &values;
         let scatter = ((values - &design * &solution).norm_squared() / freedom as f64).sqrt();
-        let u = |part: usize| wider * scatter * cofactor[(part, part)].sqrt();
-        (0..separated.len()).map(|part| (solution[part], u(part))).collect()
+        let of_part = |(k, part): (usize, &Part)| {
+            let by_scatter = wider * scatter * cofactor[(k, k)].sqrt();
+            let shared = under_noise.as_ref().filter(|_| *part == Part::QuasiStatic);
+            (solution[k], shared.map_or(by_scatter, |u| by_scatter.max(u[error])))
+        };
+        separated.iter().enumerate().map(of_part).collect()
     };
     let of_errors = (0..sweeps.errors.len()).map(of_error).collect();
-    Ok(Parts { fastest, both_ways, degrees_of_freedom: freedom, of_errors, separated })
+    let noise_is_known = under_noise.is_some();
+    Ok(Parts { fastest, both_ways, degrees_of_freedom: freedom, noise_is_known, of_errors, separated })
 }
 
 /// What each part counts in a sweep one way at this share of the fastest feed.

@@ -1,5 +1,6 @@
 //! Sweeps: all readings of one run that were taken one way at one feed, all its setups together, and the base model fitted to each.
 
+use super::read::Read;
 use crate::common::feed::{by_feed, feed_of};
 use crate::recipes::{Method, MethodError};
 use nalgebra::Vector3;
@@ -9,7 +10,7 @@ use trunnion_cycles::{Run, RunKind};
 use trunnion_effects::catalogue::effect;
 use trunnion_effects::{Model, Role, Unit};
 use trunnion_engine::fit::Options;
-use trunnion_engine::{Experiment, FittedParameter, HeldOut, Uncertainties, identify};
+use trunnion_engine::{Experiment, FittedParameter, HeldOut, Identification, Uncertainties, identify};
 use trunnion_machine::Machine;
 
 /// A feed held over less than this share of the path is a ramp between feeds: 0.5 s of ramp at either end of 30 s are 1.7 % of the path.
@@ -60,6 +61,8 @@ pub(super) struct Sweep {
     pub values: Vec<f64>,
     /// What the base model leaves, mm.
     pub rms_mm: f64,
+    /// Its readings; `None` where the fit took means of them.
+    pub read: Option<Read>,
 }
 
 /// Feeds as a control has them.
@@ -83,8 +86,8 @@ pub(super) fn fitted(method: &Method, runs: &[Run], asked: Option<Joint>) -> Res
         return Err(method.lacks(found, "Leave --axis out, or give runs of that axis."));
     }
     let mut total = 0;
-    for run in runs {
-        let mut grouped = grouped(run, &leading);
+    for (of_run, run) in runs.iter().enumerate() {
+        let mut grouped = grouped((of_run, run), &leading);
         grouped.retain(|group| group.points.len() >= LEAST_READINGS);
         total += run.good_points().count();
         left_out += run.good_points().count() - grouped.iter().map(|group| group.points.len()).sum::<usize>();
@@ -100,24 +103,20 @@ pub(super) fn fitted(method: &Method, runs: &[Run], asked: Option<Joint>) -> Res
     let mut all = Vec::new();
     let mut errors: Option<Vec<SplitError>> = None;
     for group in &groups {
-        let run = Run { points: group.points.clone(), ..group.run.clone() };
         let options = Options {
             holdout: HeldOut::Skipped,
             uncertainties: Uncertainties::Clusters,
             ..Options::default()
         };
-        let experiment = Experiment::new(&[run])?;
+        let experiment = Experiment::new(&[group.taken_alone()])?;
         let fit = identify(&experiment, &Model::base(&machine.name), &options).map_err(|why| {
             let found = format!("one sweep of {} readings has no fit of its own ({why})", group.points.len());
             method.lacks(found, "Read more places in each sweep.")
         })?;
-        let found: Vec<_> = fit
-            .parameters
-            .iter()
-            .filter(|parameter| {
-                parameter.u.is_some() && (!several_runs || parameter.effect == "location-errors")
-            })
-            .collect();
+        let is_split = |parameter: &&FittedParameter| {
+            parameter.u.is_some() && (!several_runs || parameter.effect == "location-errors")
+        };
+        let found: Vec<_> = fit.parameters.iter().filter(is_split).collect();
         let known = |name: &str| found.iter().any(|parameter| parameter.name == name);
         match &mut errors {
             None => {
@@ -130,23 +129,18 @@ pub(super) fn fitted(method: &Method, runs: &[Run], asked: Option<Joint>) -> Res
             }
             Some(errors) => errors.retain(|error| known(&error.name)),
         }
-        let values = found.iter().filter_map(|p| Some((p.name.clone(), p.value?))).collect();
-        all.push((group, values, fit.rms_mm));
+        all.push((group, experiment, fit));
     }
     let errors = errors.filter(|errors| !errors.is_empty()).ok_or_else(|| {
         method
             .lacks("one sweep determines no error", "Choose a path that shows errors, such as a whole turn.")
     })?;
-    let sweep = |(group, values, rms_mm): (&Group<'_>, Vec<(String, f64)>, f64)| {
-        let of = |name: &String| {
-            values.iter().find(|(other, _)| other == name).map_or(f64::NAN, |(_, value)| *value)
-        };
-        Sweep {
-            way: group.way,
-            feed: group.feed,
-            values: errors.iter().map(|error| of(&error.name)).collect(),
-            rms_mm,
-        }
+    let sweep = |(group, experiment, fit): (&Group<'_>, Experiment, Identification)| {
+        let of = |error: &SplitError| fit.parameter(&error.name).and_then(|found| found.value);
+        let values: Vec<f64> = errors.iter().map(|error| of(error).unwrap_or(f64::NAN)).collect();
+        let names: Vec<&str> = errors.iter().map(|error| error.name.as_str()).collect();
+        let read = Read::of(&experiment, &fit, &names, &values, (group.of_run, &group.numbers));
+        Sweep { way: group.way, feed: group.feed, rms_mm: fit.rms_mm, read, values }
     };
     let all = all.into_iter().map(sweep).collect();
     let unit = if leading.turns().is_some() { DEG_PER_MIN } else { MM_PER_MIN };
@@ -156,9 +150,20 @@ pub(super) fn fitted(method: &Method, runs: &[Run], asked: Option<Joint>) -> Res
 /// Points of a sweep.
 struct Group<'a> {
     run: &'a Run,
+    /// Number of the run.
+    of_run: usize,
     way: f64,
     feed: f64,
     points: Vec<Point>,
+    /// Their numbers among the good points of the run.
+    numbers: Vec<usize>,
+}
+
+impl Group<'_> {
+    /// The run with the readings of this sweep alone.
+    fn taken_alone(&self) -> Run {
+        Run { points: self.points.clone(), ..self.run.clone() }
+    }
 }
 
 /// What the feed is measured by: the rotary axis that turns most, else the linear axes together.
@@ -220,7 +225,7 @@ fn linear(values: &AxisValues<f64>) -> Vector3<f64> {
 }
 
 /// Readings of a run by way, feed, and how often that feed was run that way in each setup.
-fn grouped<'a>(run: &'a Run, leading: &Leading) -> Vec<Group<'a>> {
+fn grouped<'a>((of_run, run): (usize, &'a Run), leading: &Leading) -> Vec<Group<'a>> {
     if run.kind != RunKind::OnTheFly {
         return Vec::new();
     }
@@ -233,7 +238,7 @@ fn grouped<'a>(run: &'a Run, leading: &Leading) -> Vec<Group<'a>> {
     let mut groups: Vec<(Group<'a>, usize, usize)> = Vec::new();
     let mut begun: Vec<(usize, bool, usize)> = Vec::new();
     let mut last: Option<((usize, bool, usize), &Point)> = None;
-    for (point, velocity) in points {
+    for (number, (point, velocity)) in points.into_iter().enumerate() {
         let Some(feed) = feed_of(&feeds, velocity.abs()) else { continue };
         let kind = (point.state.setup, velocity > 0.0, feed);
         let goes_on = last.is_some_and(|(before, from)| {
@@ -249,9 +254,13 @@ fn grouped<'a>(run: &'a Run, leading: &Leading) -> Vec<Group<'a>> {
             group.way == way && (*of_feed, *of_turn) == (feed, turn)
         };
         match groups.iter_mut().find(same) {
-            Some((group, ..)) => group.points.push(point.clone()),
+            Some((group, ..)) => {
+                group.points.push(point.clone());
+                group.numbers.push(number);
+            }
             None => {
-                let group = Group { run, way, feed: feeds[feed], points: vec![point.clone()] };
+                let (points, numbers) = (vec![point.clone()], vec![number]);
+                let group = Group { run, of_run, way, feed: feeds[feed], points, numbers };
                 groups.push((group, feed, turn));
             }
         }
