@@ -25,7 +25,7 @@ pub use diagnosis::verdict::{
 };
 pub use diagnosis::{diagnose, diagnose_problem};
 pub use fit::between_runs::{BetweenRuns, between_runs};
-pub use fit::doubts::{Doubt, doubts};
+pub use fit::doubts::{Doubt, doubts, doubts_of_readings};
 pub use fit::identification::{
     Approach, FittedEffect, FittedParameter, GroupNoise, Holdout, Identification, NoisePart, Outlier,
     Repeatability,

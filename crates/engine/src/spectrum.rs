@@ -51,6 +51,8 @@ pub struct AxisSpectrum {
     pub curve: Vec<(f64, f64)>,
     /// Waves that stand out, largest first.
     pub waves: Vec<Wave>,
+    /// Whether there are frequencies enough to say that none stands out: few positions have few, and no background shows among them.
+    pub judged: bool,
     /// Shortest period (mm) or most cycles a turn of `curve`: what positions as far apart as these show as it is, or the finest of `waves`,
     /// where uneven positions show a finer one.
     pub limit: f64,
@@ -133,6 +135,7 @@ impl AxisSpectrum {
                 .map(|(omega, explained)| (units.value(*omega), units.rms_um(explained.sum)))
                 .collect(),
             waves: Vec::new(),
+            judged: true,
             limit: 0.0,
         };
         let mut scanned = first;
@@ -143,8 +146,13 @@ impl AxisSpectrum {
             let before = waves;
             waves = before.clone().without(omega);
             scanned = waves.scan(&band);
-            let evidence_ln =
-                evidence_ln(next.explained, &scanned, omega, band.resolution()) - next.tries.ln();
+            let Some(background) =
+                background(&scanned, omega, band.resolution(), next.explained.directions as f64)
+            else {
+                spectrum.judged = !spectrum.waves.is_empty();
+                break;
+            };
+            let evidence_ln = evidence_ln(next.explained, background) - next.tries.ln();
             if evidence_ln < PRICE_LN {
                 break;
             }
@@ -218,23 +226,22 @@ fn next(
     Some((omega, any))
 }
 
-/// −ln of the probability of `explained` where the frequencies around hold only what they hold in `rest`, a spectrum without it:
-/// Chernoff's bound of χ² with d degrees of freedom, ½ (x − d − d ln (x/d)).
-fn evidence_ln(explained: Explained, rest: &[(f64, Explained)], omega: f64, resolution: f64) -> f64 {
+/// −ln of the probability of `explained` where one direction explains `background`, mm²: Chernoff's bound of χ² with d degrees of freedom,
+/// ½ (x − d − d ln (x/d)).
+fn evidence_ln(explained: Explained, background: f64) -> f64 {
     let d = explained.directions as f64;
     if explained.directions == 0 {
         return f64::NEG_INFINITY;
     }
-    let background = background(rest, omega, resolution, d);
     let x = explained.sum / background.max(f64::MIN_POSITIVE);
     if x > d { 0.5 * (x - d - d * (x / d).ln()) } else { 0.0 }
 }
 
 /// What one direction explains at a frequency where nothing waves, mm²: a power law through its neighbours, at the upper end of its
-/// 95 % interval.
+/// 95 % interval. `rest`: a spectrum without the wave. `None` where too few neighbours show it.
 ///
 /// ln of χ²_d/d has mean −1/d − 1/(3d²) [ψ(d/2) − ln(d/2), Abramowitz 1964 §6.3.18].
-fn background(rest: &[(f64, Explained)], omega: f64, resolution: f64, d: f64) -> f64 {
+fn background(rest: &[(f64, Explained)], omega: f64, resolution: f64, d: f64) -> Option<f64> {
     let at = rest.partition_point(|(other, _)| *other < omega);
     let around = &rest[at.saturating_sub(NEIGHBOURS)..(at + NEIGHBOURS).min(rest.len())];
     // Next to the wave itself nothing is left once it is in the model.
@@ -245,7 +252,7 @@ fn background(rest: &[(f64, Explained)], omega: f64, resolution: f64, d: f64) ->
         seen.map(|(other, e)| ((other / omega).ln(), (e.sum / e.directions as f64).ln())).collect();
     let count = logs.len() as f64;
     if logs.len() < FEWEST_NEIGHBOURS {
-        return f64::INFINITY;
+        return None;
     }
     let (mean_x, mean_y) = logs.iter().fold((0.0, 0.0), |(x, y), log| (x + log.0 / count, y + log.1 / count));
     let (xx, xy) = logs.iter().fold((0.0, 0.0), |(xx, xy), log| {
@@ -257,7 +264,7 @@ fn background(rest: &[(f64, Explained)], omega: f64, resolution: f64, d: f64) ->
     // Only every OVERSAMPLING-th of the neighbours is independent.
     let leverage = OVERSAMPLING * (1.0 / count + if xx > 0.0 { mean_x * mean_x / xx } else { 0.0 });
     let upper = mean_y - slope * mean_x + UPPER * (scatter * leverage).sqrt();
-    (upper + 1.0 / d + 1.0 / (3.0 * d * d)).exp()
+    Some((upper + 1.0 / d + 1.0 / (3.0 * d * d)).exp())
 }
 
 /// One-sided 95 % of a normal law.

@@ -14,7 +14,7 @@ use trunnion_core::Point;
 use trunnion_cycles::Run;
 use trunnion_effects as effects;
 use trunnion_engine::plausibility::{Asked, Implausible, asked, not_asked, unlike};
-use trunnion_engine::{ExperimentError, Identification, KnownFits};
+use trunnion_engine::{ExperimentError, Identification, KnownFits, doubts_of_readings};
 use trunnion_machine::{Machine, NamePlate};
 use trunnion_results as results;
 use trunnion_sync::blocks::Limits;
@@ -34,6 +34,7 @@ struct Opened {
     read: Vec<Implausible>,
     asked: OnceLock<Asked>,
     unlike: OnceLock<Vec<results::Doubt>>,
+    of_readings: OnceLock<Vec<results::Doubt>>,
     complete: results::Complete,
     not_whole: Option<results::Plausibility>,
     doubts: Vec<results::Doubt>,
@@ -143,6 +144,7 @@ impl Experiment {
             read,
             asked: OnceLock::new(),
             unlike: OnceLock::new(),
+            of_readings: OnceLock::new(),
             complete,
             not_whole,
             doubts,
@@ -209,8 +211,10 @@ impl Experiment {
             false => Vec::new(),
         };
         let of_runs = self.opened.unlike.get_or_init(of_runs);
+        let of_readings = || doubts_of_readings(self.points()).iter().map(results::Doubt::from).collect();
+        let of_readings = self.opened.of_readings.get_or_init(of_readings);
         let rounded: Vec<_> = self.asked().rounded.iter().map(results::Doubt::rounded).collect();
-        self.opened.doubts.iter().chain(&rounded).chain(of_runs).cloned().collect()
+        self.opened.doubts.iter().chain(&rounded).chain(of_runs).chain(of_readings).cloned().collect()
     }
 
     /// Can these runs be what they say they are: `trunnion-check/1`.

@@ -13,8 +13,10 @@
 
 use crate::evidence::joined;
 use crate::fit::identification::{FittedEffect, FittedParameter, Identification};
+use crate::noise::repeatability::repeatability;
 use crate::problem::experiment::SECANT;
 use crate::problem::one_way::one_way;
+use crate::problem::passes::passes;
 use crate::problem::steps::{self, OneDirection};
 use crate::solve::collinear::collinear;
 use crate::written::joint;
@@ -105,10 +107,12 @@ impl Doubt {
 
 /// What to doubt in a fit of `model`.
 pub fn doubts(experiment: &Experiment, model: &Model, fit: &Identification) -> Vec<Doubt> {
-    let mut found: Vec<Doubt> = scatter(experiment, fit).into_iter().collect();
-    found.extend(one_direction(experiment));
-    found.extend(fit.effects.iter().flat_map(|effect| doubts_of(experiment, model, fit, effect)));
-    found
+    fit.effects.iter().flat_map(|effect| doubts_of(experiment, model, fit, effect)).collect()
+}
+
+/// What to doubt in the readings whatever is fitted to them.
+pub fn doubts_of_readings(experiment: &Experiment) -> Vec<Doubt> {
+    scatter(experiment).into_iter().chain(one_direction(experiment)).collect()
 }
 
 /// What to doubt in the numbers of one effect in a fit of `model`.
@@ -202,12 +206,13 @@ fn one_direction(experiment: &Experiment) -> Vec<Doubt> {
 }
 
 /// Probes in a nest, read at rest, that do not repeat.
-fn scatter(experiment: &Experiment, fit: &Identification) -> Option<Doubt> {
+fn scatter(experiment: &Experiment) -> Option<Doubt> {
     let at_rest = experiment.kinds.iter().all(|kind| *kind == RunKind::Static);
     let in_nest = experiment.setups.iter().all(|setup| setup.instrument.deflects_probes());
-    let noise_um = um_from_mm(fit.repeatability?.sigma_mm);
+    let repeatability = || repeatability(experiment, &passes(experiment));
+    let noise_um = um_from_mm((at_rest && in_nest).then(repeatability)??.sigma_mm);
     let reason = DoubtReason::Scatter { noise_um };
-    (at_rest && in_nest && noise_um > SCATTER_UM).then(|| Doubt { effect: None, names: Vec::new(), reason })
+    (noise_um > SCATTER_UM).then(|| Doubt { effect: None, names: Vec::new(), reason })
 }
 
 /// Time constants whose course was not seen to the end.

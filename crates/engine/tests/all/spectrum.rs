@@ -139,3 +139,12 @@ fn on_a_grid_of_30_degrees_n_and_12_minus_n_give_the_same_readings_and_both_are_
         assert!((found.0 - 5.0).abs() < 0.05 && (found.1 - 7.0).abs() < 0.05, "{wave:?}");
     }
 }
+
+#[test]
+fn few_positions_have_no_background_and_are_not_judged() {
+    // Twelve stations know no more than six whole numbers per turn.
+    let few = round_c(30.0, 3.0, 12.0);
+    assert!(few.waves.is_empty() && !few.judged, "{few:?}");
+    let many = round_c(5.0, 3.0, 0.0);
+    assert!(many.waves.is_empty() && many.judged, "{many:?}");
+}

@@ -300,7 +300,9 @@ fn one_direction_of_an_axis_that_went_both_ways_is_doubted() {
     let doubts = |files: &Files| {
         let run = files.open();
         assert_eq!(run.check().plausibility, []);
-        run.fit(&run.base_model()).unwrap().results().doubts
+        let found = run.fit(&run.base_model()).unwrap().results().doubts;
+        assert_eq!(run.check().doubts, found);
+        found
     };
     assert_eq!(doubts(&files), []);
     files.change("direction_b", |_| 1.0);
@@ -321,7 +323,9 @@ fn readings_ten_times_too_large_are_doubted_where_they_repeat() {
     let mut files = Files::committed("points-gravity");
     let doubts = |files: &Files| {
         let run = files.open();
-        run.fit(&run.base_model()).unwrap().results().doubts
+        let found = run.fit(&run.base_model()).unwrap().results().doubts;
+        assert_eq!(run.check().doubts, found);
+        found
     };
     assert_eq!(doubts(&files), []);
     READINGS.into_iter().for_each(|column| files.change(column, |value| 10.0 * value));
