@@ -27,7 +27,9 @@ pub use volumetric::{location_text, volumetric_text};
 
 use crate::number::{percent, um, um_or_dash, value_and_u};
 use crate::views::cuts;
-use crate::words::{NO_PLACE, effect_name, headline, no_place, noise_origin, trial_verdict, verdict, wave};
+use crate::words::{
+    NO_PLACE, effect_name, headline, no_place, noise_origin, not_judged, trial_verdict, verdict, wave,
+};
 use diagnosis::{held_out, what_to_do};
 use std::iter::once;
 use table::{bar, clean, columns, moved_table, paragraph, set_apart, titled, with_bars};
@@ -153,6 +155,7 @@ pub fn compare_text(input: &Comparison) -> String {
     out += "\nWhere the model fails most\n";
     out += &places(&input.places, no_place(input));
     let waves = input.spectra.iter().flat_map(|axis| axis.waves.iter().map(|one| wave(&axis.axis, one)));
+    let waves = waves.chain(input.spectra.iter().filter_map(not_judged));
     let waves: String = waves.map(|sentence| paragraph(&sentence)).collect();
     if !waves.is_empty() {
         out += &format!("\nWhat repeats along the axes\n{waves}");

@@ -8,10 +8,10 @@ pub use frozen::{differences, frozen_sentences, not_in_band};
 pub use trial::trial_verdict;
 
 use crate::added::causes;
-use crate::number::{percent, um, um_or_dash};
+use crate::number::{percent, plain, um, um_or_dash};
 use trunnion_results::{
-    Candidate, Comparison, Diagnosis, FormulaProposal, Ladder, LeftOut, Parameter, Question, SpectrumWave,
-    Together, Verdict,
+    AxisSpectrum, Candidate, Comparison, Diagnosis, FormulaProposal, Ladder, LeftOut, Parameter, Question,
+    SpectrumWave, Together, Verdict,
 };
 
 pub use trunnion_results::sentences::*;
@@ -174,6 +174,21 @@ pub fn wave(axis: &str, wave: &SpectrumWave) -> String {
         um(wave.rms_um),
         wave.words
     )
+}
+
+/// An axis that was read at too few positions to say that nothing waves along it, and the most that does; `None` of one that is judged.
+pub fn not_judged(spectrum: &AxisSpectrum) -> Option<String> {
+    let [value, rms_um] = spectrum.highest().filter(|_| !spectrum.judged)?;
+    let repeats = match spectrum.unit.as_str() {
+        "mm" => format!("every {} mm", plain(value)),
+        _ => format!("{} times per turn", plain(value)),
+    };
+    Some(format!(
+        "{}: too few positions to say whether a wave stands out. The largest has {} rms of {} in all, {repeats}.",
+        spectrum.axis,
+        um(rms_um),
+        um(spectrum.rms_um),
+    ))
 }
 
 /// What an all-clear is worth.

@@ -40,6 +40,21 @@ pub struct AxisSpectrum {
     pub curve: Vec<[f64; 2]>,
     /// Waves that stand out, largest first.
     pub waves: Vec<SpectrumWave>,
+    /// Whether the positions suffice to say that nothing else stands out.
+    #[serde(default = "judged")]
+    pub judged: bool,
+}
+
+/// As an answer of before had it, which did not say.
+fn judged() -> bool {
+    true
+}
+
+impl AxisSpectrum {
+    /// The highest of the curve: period or cycles a turn, and µm rms; `None` of an empty one.
+    pub fn highest(&self) -> Option<[f64; 2]> {
+        self.curve.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1]))
+    }
 }
 
 /// A wave that stands out of a spectrum.
@@ -82,6 +97,7 @@ impl From<&engine::spectrum::AxisSpectrum> for AxisSpectrum {
             limit: spectrum.limit,
             curve: spectrum.curve.chunks(together).map(highest).collect(),
             waves: spectrum.waves.iter().map(SpectrumWave::from).collect(),
+            judged: spectrum.judged,
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::markup::element;
 use crate::number::{plain, um};
 use crate::svg::{Mark, Series, XyChart, nice_above, xy_chart};
-use crate::words::wave;
+use crate::words::{not_judged, wave};
 use trunnion_results::AxisSpectrum;
 
 pub fn section(spectra: &[AxisSpectrum]) -> String {
@@ -16,12 +16,14 @@ pub fn section(spectra: &[AxisSpectrum]) -> String {
         number += axis.waves.len();
         waves.extend(axis.waves.iter().map(|one| element("li", &wave(&axis.axis, one))));
     }
-    let waves = match waves.is_empty() {
-        true => element("p", "No wave stands out of what remains."),
-        false => format!("<ol>{waves}</ol>\n"),
+    let open: String = spectra.iter().filter_map(not_judged).map(|words| element("p", &words)).collect();
+    let waves = match (waves.is_empty(), open.is_empty()) {
+        (true, true) => element("p", "No wave stands out of what remains."),
+        (true, false) => String::new(),
+        (false, _) => format!("<ol>{waves}</ol>\n"),
     };
     format!(
-        "<section><h2>What repeats along the axes</h2>\n{waves}<div class=\"plots\">{charts}</div>\n\
+        "<section><h2>What repeats along the axes</h2>\n{waves}{open}<div class=\"plots\">{charts}</div>\n\
          <p class=\"soft\">Size of a wave in the residual at each frequency. Finer waves than the right end need closer positions.</p></section>\n"
     )
 }

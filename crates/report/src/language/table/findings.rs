@@ -18,6 +18,7 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     ["({} readings, {} of the residual)", "({} Messwerte, {} der Restabweichung)", "（測定値 {}、残差の {}）"],
     ["What repeats along the axes", "Was sich entlang der Achsen wiederholt", "軸に沿った周期成分"],
     ["No wave stands out of what remains.", "Keine Welle hebt sich vom Rest ab.", "残りに目立つ周期成分はない。"],
+    ["{}: too few positions to say whether a wave stands out. The largest has {} rms of {} in all, {}.", "{}: zu wenige Positionen, um zu sagen, ob sich eine Welle abhebt. Die größte hat {} rms von {} insgesamt, {}.", "{}：測定位置が少なく、目立つ波があるか判断できない。最大の波は {} rms（全体 {}）、{}。"],
     ["Residual along {}, {} in all, up to {} {}", "Restabweichung entlang {}, insgesamt {}, bis {} {}", "{} に沿った残差、全体 {}、{}（{}）まで"],
     ["wave along {}", "Welle entlang {}", "{} に沿った波"],
     ["Size of a wave in the residual at each frequency. Finer waves than the right end need closer positions.", "Größe einer Welle in der Restabweichung bei jeder Frequenz. Feinere Wellen als am rechten Ende brauchen dichtere Positionen.", "各周波数における残差の波の大きさ。右端より細かい波には、より密な測定位置が必要。"],
