@@ -27,9 +27,12 @@ pub struct Stream {
     lost: u64,
     /// Those among them in gaps a second and more from both ends of the cycle.
     lost_inside: u64,
-    /// Length of its gaps in which nobody could count, s.
-    uncounted_s: f64,
-    last: Option<f64>,
+    /// Its gaps in which nobody could count, s.
+    uncounted: Vec<(f64, f64)>,
+    /// Where samples are missing by the device's clock: time of the sample before and after, s, and how many.
+    holes: Vec<(f64, f64, u64)>,
+    /// Clock and time of the sample before, s.
+    last: Option<(f64, f64)>,
     first: f64,
 }
 
@@ -45,7 +48,8 @@ impl Stream {
             device,
             lost: 0,
             lost_inside: 0,
-            uncounted_s: 0.0,
+            uncounted: Vec::new(),
+            holes: Vec::new(),
             last: None,
             first: f64::NAN,
         }
@@ -54,10 +58,16 @@ impl Stream {
     /// `clock_s`: the device's clock where it has one.
     fn take(&mut self, clock_s: f64, time_s: f64, end_s: f64) {
         match self.last {
-            Some(last) => self.longest_step_ms = self.longest_step_ms.max((clock_s - last) * 1e3),
+            Some((last, before_s)) => {
+                self.longest_step_ms = self.longest_step_ms.max((clock_s - last) * 1e3);
+                let steps = ((clock_s - last) * self.rate_hz).round() as u64;
+                if steps > 1 {
+                    self.holes.push((before_s, time_s, steps - 1));
+                }
+            }
             None => self.first = clock_s,
         }
-        self.last = Some(clock_s);
+        self.last = Some((clock_s, time_s));
         self.recorded += 1;
         self.inside += u64::from((EDGE_S..end_s).contains(&time_s));
     }
@@ -72,19 +82,26 @@ impl Stream {
                     let is_inside = gap.from_s >= EDGE_S && gap.to_s <= end_s;
                     self.lost_inside += if is_inside { lost } else { 0 };
                 }
-                None => self.uncounted_s += gap.to_s - gap.from_s,
+                None => self.uncounted.push((gap.from_s, gap.to_s)),
             }
         }
         is_its_own
     }
 
-    /// As many samples as the recording says are lost, at most.
+    /// As many samples as the recording says are lost, at most. A gap in which nobody could count, as where the clock of the device was set, reports what its
+    /// time holds, or what is missing there by the device's clock, whose time differs.
     pub fn reported_lost(&self) -> u64 {
-        self.lost + (self.uncounted_s * self.rate_hz).ceil() as u64
+        let of_gap = |&(from_s, to_s): &(f64, f64)| {
+            let within =
+                self.holes.iter().filter(|(before_s, after_s, _)| *before_s <= to_s && *after_s >= from_s);
+            let by_time = ((to_s - from_s) * self.rate_hz).ceil() as u64;
+            by_time.max(within.map(|(.., missing)| missing).sum())
+        };
+        self.lost + self.uncounted.iter().map(of_gap).sum::<u64>()
     }
 
     fn expect_by_clock(&mut self) {
-        let span_s = self.last.unwrap_or(self.first) - self.first;
+        let span_s = self.last.map_or(self.first, |(clock_s, _)| clock_s) - self.first;
         self.expected = Some((span_s * self.rate_hz).round() as u64 + 1);
     }
 }
@@ -153,16 +170,37 @@ impl Judged {
 
     /// Samples that are missing, and those of them that no gap reports.
     pub fn missing(&self) -> (u64, u64) {
-        let missing = |stream: &Stream| {
-            let (expected, recorded) = self.compared(stream);
-            // By the clock of the device the count is exact.
-            let edge = if stream.expected.is_none() { EDGE_SAMPLES } else { 0 };
-            expected.saturating_sub(recorded + edge)
-        };
         let streams = &self.counts.streams;
-        let unreported = |stream: &Stream| missing(stream).saturating_sub(stream.reported_lost());
-        let unreported_of_all = streams.iter().map(unreported).sum::<u64>();
-        (streams.iter().map(missing).sum(), unreported_of_all.saturating_sub(self.counts.lost_of_any))
+        let unreported_of_all = streams.iter().map(|stream| self.unreported(stream)).sum::<u64>();
+        let missing = streams.iter().map(|stream| self.missing_of(stream)).sum();
+        (missing, unreported_of_all.saturating_sub(self.counts.lost_of_any))
+    }
+
+    /// Each stream with missing samples that no gap of its own reports, in words.
+    pub fn silent(&self) -> impl Iterator<Item = String> {
+        self.counts.streams.iter().filter(|stream| self.unreported(stream) > 0).map(|stream| {
+            let ((expected, recorded), unreported) = (self.compared(stream), self.unreported(stream));
+            format!(
+                "{}: {unreported} samples are missing without a gap: {expected} expected, {recorded} recorded, {} reported as lost ({} at the \
+                 ends of the cycle), {} gaps do not say how many, longest step {:.2} ms",
+                stream.name,
+                stream.lost,
+                stream.lost - stream.lost_inside,
+                stream.uncounted.len(),
+                stream.longest_step_ms,
+            )
+        })
+    }
+
+    fn missing_of(&self, stream: &Stream) -> u64 {
+        let (expected, recorded) = self.compared(stream);
+        // By the clock of the device the count is exact.
+        let edge = if stream.expected.is_none() { EDGE_SAMPLES } else { 0 };
+        expected.saturating_sub(recorded + edge)
+    }
+
+    fn unreported(&self, stream: &Stream) -> u64 {
+        self.missing_of(stream).saturating_sub(stream.reported_lost())
     }
 }
 
@@ -278,6 +316,30 @@ mod tests {
         let probe =
             Stream { recorded: 999, expected: Some(1000), ..Stream::new("probe-1", "probe-1", 1000.0) };
         assert_eq!(judged(probe, Sent { encoder: 0, axes: 0 }).missing(), (1, 1));
+    }
+
+    #[test]
+    fn a_gap_without_a_number_reports_what_its_device_skipped_there() {
+        let mut probe = Stream::new("probe-1", "probe-1", 1000.0);
+        // The clock goes on by 2.001 s where the run's goes on by one.
+        for (clock_s, time_s) in [(0.0, 0.0), (0.001, 0.001), (2.002, 1.001), (2.003, 1.002)] {
+            probe.take(clock_s, time_s, 9.0);
+        }
+        probe.expect_by_clock();
+        let gap = |from_s, to_s| Gap {
+            source: "probe-1".into(),
+            from_s,
+            to_s,
+            lost_samples: None,
+            reason: String::new(),
+        };
+        let silent = |gap: Gap| {
+            let mut probe = probe.clone();
+            assert!(probe.take_gap(&gap, 9.0));
+            judged(probe, Sent { encoder: 0, axes: 0 }).missing()
+        };
+        assert_eq!(silent(gap(0.001, 1.001)), (2000, 0));
+        assert_eq!(silent(gap(1.5, 2.0)), (2000, 1500), "somewhere else");
     }
 
     #[test]

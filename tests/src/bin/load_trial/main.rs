@@ -140,6 +140,9 @@ fn verdict(trial: &Trial, longest: Duration) -> i32 {
         eprintln!("the service began after the program: encoder and axes are not judged");
     }
     let ((missing, unreported), counts) = (trial.judged.missing(), &trial.judged.counts);
+    for silent in trial.judged.silent() {
+        eprintln!("{silent}");
+    }
     match (missing, counts.lost, counts.uncounted) {
         (0, 0, 0) => return 0,
         (0, 1.., _) => {

@@ -60,6 +60,9 @@ fn losses(soak: &Soak) -> String {
         writeln!(text, "- {why}").expect("memory");
     }
     for (name, judged) in &soak.judged {
+        for silent in judged.silent() {
+            writeln!(text, "- `{name}`: {silent}").expect("memory");
+        }
         for gap in judged.counts.gaps.iter().take(SHOWN_GAPS) {
             writeln!(text, "- `{name}`: {gap}").expect("memory");
         }
