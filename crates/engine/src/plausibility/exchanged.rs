@@ -7,6 +7,7 @@ mod mirror;
 mod parts;
 mod physics;
 mod reordered;
+pub(super) mod repeated;
 mod scaled;
 pub(super) mod small;
 mod turned;
@@ -37,6 +38,10 @@ const GROSS_REPEATABILITIES: f64 = 5.0;
 /// What leaves no more than this times the least explains as much: the simpler mistake, tried first, is named. A free angle takes up a
 /// little of every effect.
 pub(super) const AS_GOOD: f64 = 1.25;
+/// With the mistake undone the base model alone leaves so many times less, where another effect has to be in the model for the mistake to be
+/// believed: it explains at least as much as all else, in mean square. Else readings that hold little but that effect may be exchanged at will,
+/// and one way of exchanging them looks like an effect of the catalogue.
+const MOSTLY: f64 = std::f64::consts::SQRT_2;
 /// Standard deviations by which what is left may exceed what readings repeat within.
 const SURE: f64 = 3.0;
 /// Rows by which readings may be late; more are another measurement.
@@ -49,7 +54,8 @@ const APART: &str = "Change none of these rows: take them out and import them as
 /// And about readings that did not wait for the probes: the settled ones are nowhere in the file.
 const DWELL: &str = "Measure again with a longer dwell.";
 
-/// The mistake with which readings and positions belong together.
+/// The mistake with which readings and positions belong together; of a machine that lacks another effect besides, next to whichever effect of one
+/// axis leaves the least.
 pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     let Looked { run, experiment, model, .. } = looked;
     let before_um = um_from_mm(model.rms_mm(&experiment.readings_mm()));
@@ -59,36 +65,18 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     if before_um < gross_um || variation_um(run) < GROSS_UM {
         return None;
     }
-    let trial = Trial { looked, run, experiment, model };
-    let tried = trial.all(before_um >= GROSS_UM);
-    let least_mm = tried.iter().map(|((_, left_mm), _)| *left_mm).fold(f64::INFINITY, f64::min);
-    let ((mistake, left_mm), to_do) =
-        tried.into_iter().find(|((_, left_mm), _)| *left_mm <= AS_GOOD * least_mm)?;
-    let left_um = um_from_mm(left_mm);
-    let is_believed = BELIEVED * left_um < before_um && trial.of_an_effect_mm() > AS_GOOD * left_mm;
-    is_believed.then(|| {
-        let hypothesis = match (trial.mirror(AS_GOOD * least_mm), repeated) {
-            // What is left is gross itself: it would be doubted again.
-            (_, Some(of)) if left_um >= gross_um => {
-                let repeats_um = um_from_mm(of.sigma_mm);
-                format!(
-                    "With {mistake}, {left_um:.1} µm are left, and readings of one pose repeat within {repeats_um:.2} µm: no full explanation. \
-                     Look for another mistake, alone or with it, before you change anything."
-                )
-            }
-            (Some((mirror, distinguished_by)), _) => {
-                format!("With {mistake}, or {mirror}, {left_um:.1} µm are left. {distinguished_by}")
-            }
-            (None, _) => format!("With {mistake}, {left_um:.1} µm are left. {to_do}"),
+    let alone = Trial { looked, run, experiment, model };
+    let tried = alone.all(before_um >= GROSS_UM);
+    alone.believed(tried.clone(), before_um, gross_um, repeated, "").or_else(|| {
+        let model = &model.with_an_effect(experiment);
+        let with_effect = Trial { looked, run, experiment, model };
+        let mostly = |((words, _), _): &(Tried, &str)| {
+            let of_base = tried.iter().find(|((other, _), _)| other == words);
+            of_base.is_some_and(|((_, left_mm), _)| MOSTLY * um_from_mm(*left_mm) < before_um)
         };
-        Implausible {
-            finding: format!(
-                "{}: the readings do not fit their positions: {before_um:.1} µm rms are left.",
-                run.name
-            ),
-            hypothesis,
-            rms_um_with_it: Some(left_um),
-        }
+        let tried_again = with_effect.all(before_um >= GROSS_UM).into_iter().filter(mostly).collect();
+        let besides = ", and an effect of one axis besides";
+        with_effect.believed(tried_again, before_um, gross_um, repeated, besides)
     })
 }
 
@@ -144,6 +132,48 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
+    /// The mistake of those `tried` that is believed. `before_um`: what the base model alone leaves of the readings as they are; `besides`: what else the model of the
+    /// trial has, in words.
+    fn believed(
+        &self,
+        tried: Vec<(Tried, &'static str)>,
+        before_um: f64,
+        gross_um: f64,
+        repeated: Option<Repeatability>,
+        besides: &str,
+    ) -> Option<Implausible> {
+        let as_given_mm = self.model.rms_mm(&self.experiment.readings_mm());
+        let least_mm = tried.iter().map(|((_, left_mm), _)| *left_mm).fold(f64::INFINITY, f64::min);
+        let ((mistake, left_mm), to_do) =
+            tried.into_iter().find(|((_, left_mm), _)| *left_mm <= AS_GOOD * least_mm)?;
+        let left_um = um_from_mm(left_mm);
+        let is_believed = BELIEVED * left_mm < as_given_mm && self.of_an_effect_mm() > AS_GOOD * left_mm;
+        is_believed.then(|| {
+            let hypothesis = match (self.mirror(AS_GOOD * least_mm), repeated) {
+                // What is left is gross itself: it would be doubted again.
+                (_, Some(of)) if left_um >= gross_um => {
+                    let repeats_um = um_from_mm(of.sigma_mm);
+                    format!(
+                        "With {mistake}{besides}, {left_um:.1} µm are left, and readings of one pose repeat within {repeats_um:.2} µm: no full explanation. \
+                         Look for another mistake, alone or with it, before you change anything."
+                    )
+                }
+                (Some((mirror, distinguished_by)), _) => {
+                    format!("With {mistake}, or {mirror}{besides}, {left_um:.1} µm are left. {distinguished_by}")
+                }
+                (None, _) => format!("With {mistake}{besides}, {left_um:.1} µm are left. {to_do}"),
+            };
+            Implausible {
+                finding: format!(
+                    "{}: the readings do not fit their positions: {before_um:.1} µm rms are left.",
+                    self.run.name
+                ),
+                hypothesis,
+                rms_um_with_it: Some(left_um),
+            }
+        })
+    }
+
     /// Every mistake with what to do, the simpler ones first; of all readings, then, where asked for, of those of one setup or part.
     fn all(&self, of_setups: bool) -> Vec<(Tried, &'static str)> {
         let setups = &self.run.setups;
@@ -176,7 +206,7 @@ impl Trial<'_> {
         }
         if has_three {
             add(CHANGE, self.changed_at_a_point());
-            add(CHANGE, self.late_between_points());
+            add(CHANGE, self.changed_between_points());
         }
         // What a correction leaves of a lean of the tool differs with the length of the tool, so with the setup.
         if has_three && of_setups {

@@ -1,9 +1,10 @@
 //! What the base model, with every location error and setting free, leaves of readings.
 
 use crate::Experiment;
-use crate::evidence::{joined, orthonormal};
+use crate::evidence::{joined, off, orthonormal};
 use crate::solve::linear::Reduced;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Borrow;
 use trunnion_effects::{Instance, Model, Role, Subject};
 
 /// Relative singular value of a direction that the columns do not see.
@@ -30,6 +31,8 @@ pub(super) struct Fitted {
     directions: DMatrix<f64>,
     /// The same, zero on the rows that are left out.
     basis: DMatrix<f64>,
+    /// Effects of one axis of which one may be in the model too: what the directions do not explain of their columns, orthonormal.
+    effects: Vec<DMatrix<f64>>,
 }
 
 impl Fitted {
@@ -44,7 +47,14 @@ impl Fitted {
             of_fit.row_mut(row).fill(0.0);
         }
         let seen = Reduced::from_design(&of_fit).orthonormal(UNSEEN);
-        Self { directions: columns * &seen, basis: of_fit * seen }
+        Self { directions: columns * &seen, basis: of_fit * seen, effects: Vec::new() }
+    }
+
+    /// With whichever effect of one axis leaves the least, each time that it is asked what is left. Of a fit to every row.
+    pub fn with_an_effect(&self, experiment: &Experiment) -> Self {
+        let Self { directions, basis, .. } = self;
+        let effects = effects_of_an_axis(experiment).map(|columns| orthonormal(&off(&columns, basis)));
+        Self { directions: directions.clone(), basis: basis.clone(), effects: effects.collect() }
     }
 
     /// What it leaves of readings, mm; of rows that were left out, how far they are from what the others say of them.
@@ -113,29 +123,42 @@ impl Fitted {
     pub fn rms_with_mm(&self, columns: &DMatrix<f64>, readings_mm: &DVector<f64>) -> f64 {
         let new = orthonormal(&(columns - &self.directions * self.basis.tr_mul(columns)));
         let left_mm = self.left_mm(readings_mm);
-        rms(&(&left_mm - &new * new.tr_mul(&left_mm)))
+        let left_mm = &left_mm - &new * new.tr_mul(&left_mm);
+        let beyond = self.effects.iter().map(|effect| orthonormal(&off(effect, &new)));
+        least_rms(&left_mm, beyond)
     }
 
     /// The least of these with one more error of one axis, mm. Errors with shape numbers are not tried.
     pub fn rms_with_an_axis_mm(&self, experiment: &Experiment) -> f64 {
-        let scene = &experiment.scene;
-        let is_of_axis = |instance: &Instance| {
-            instance.subject() != Subject::Whole
-                && !matches!(instance.role(), Role::Setting | Role::Description)
-        };
-        let can_be = |instance: &Instance| {
-            !instance.parameters(scene).is_empty() && instance.shapes(scene).names.is_empty()
-        };
         let readings_mm = experiment.readings_mm();
-        let left = |instance: Instance| self.rms_with_mm(&experiment.columns(&instance, &[]), &readings_mm);
-        let all = Instance::all(experiment.machine()).into_iter();
-        all.filter(is_of_axis).filter(can_be).map(left).fold(f64::INFINITY, f64::min)
+        effects_of_an_axis(experiment)
+            .map(|columns| self.rms_with_mm(&columns, &readings_mm))
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// What it leaves, rms, mm.
     pub fn rms_mm(&self, readings_mm: &DVector<f64>) -> f64 {
-        rms(&self.left_mm(readings_mm))
+        least_rms(&self.left_mm(readings_mm), self.effects.iter())
     }
+}
+
+/// Columns of every effect of one axis without shape numbers.
+fn effects_of_an_axis(experiment: &Experiment) -> impl Iterator<Item = DMatrix<f64>> {
+    let scene = &experiment.scene;
+    let is_of_axis = |instance: &Instance| {
+        instance.subject() != Subject::Whole && !matches!(instance.role(), Role::Setting | Role::Description)
+    };
+    let can_be = |instance: &Instance| {
+        !instance.parameters(scene).is_empty() && instance.shapes(scene).names.is_empty()
+    };
+    let all = Instance::all(experiment.machine()).into_iter().filter(is_of_axis).filter(can_be);
+    all.map(|instance| experiment.columns(&instance, &[]))
+}
+
+/// Rms of what one of several sets of orthonormal columns leaves at least: |r|² − |Eᵀr|².
+fn least_rms(left_mm: &DVector<f64>, sets: impl Iterator<Item = impl Borrow<DMatrix<f64>>>) -> f64 {
+    let most = sets.map(|set| set.borrow().tr_mul(left_mm).norm_squared()).fold(0.0, f64::max);
+    ((left_mm.norm_squared() - most).max(0.0) / left_mm.len().max(1) as f64).sqrt()
 }
 
 pub(super) fn rms(of: &DVector<f64>) -> f64 {

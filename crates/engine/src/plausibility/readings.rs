@@ -31,6 +31,7 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
     let of_run = |looked| {
         exchanged::exchanged(looked)
             .or_else(|| exchanged::delayed::by_rows(looked))
+            .or_else(|| exchanged::repeated::late(looked))
             .or_else(|| exchanged::small::small(looked))
             .or_else(|| path::left(looked))
     };

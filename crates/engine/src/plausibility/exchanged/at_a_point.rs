@@ -1,5 +1,6 @@
 //! Probe inputs that were exchanged, or turned round, or readings of which one was lost or doubled, while a run went on; and readings of which
-//! one was lost and a later one doubled, or the other way round, so that those between the two are late or early.
+//! one was lost and a later one doubled, or the other way round, so that those between the two are late or early, or of which a block has lost its
+//! minus signs and got others.
 //!
 //! Of a machine with small errors alone, a shift from that point on (a slip, the other direction of an axis with play) looks like a change of
 //! sign. So the mistake has to leave far less than any shift there.
@@ -25,12 +26,13 @@ impl Trial<'_> {
         let as_given = experiment.readings_mm();
         let of_change = |(words, changed): (String, DVector<f64>)| {
             let left_mm = self.model.left_of_switch_mm(&as_given, &changed, &rows);
-            let least = left_mm.into_iter().zip(&points).min_by(|a, b| a.0.total_cmp(&b.0))?;
-            if BELIEVED * least.0 > self.model.rms_with_mm(&self.shift_from(*least.1), &as_given) {
+            let (_, &from) = left_mm.into_iter().zip(&points).min_by(|a, b| a.0.total_cmp(&b.0))?;
+            let left_mm = self.model.rms_mm(&self.spliced(&changed, from..count));
+            if BELIEVED * left_mm > self.model.rms_with_mm(&self.shift_from(from), &as_given) {
                 return None;
             }
-            let share = 100.0 * *least.1 as f64 / count as f64;
-            Some((format!("{words} from {share:.0} % of the points on"), least.0))
+            let share = 100.0 * from as f64 / count as f64;
+            Some((format!("{words} from {share:.0} % of the points on"), left_mm))
         };
         let of_way = |way: Way| {
             let change = |readings: &mut [[f64; 3]]| readings.iter_mut().for_each(|one| way.apply(one));
@@ -43,22 +45,35 @@ impl Trial<'_> {
         ways().into_iter().map(of_way).chain(late).filter_map(of_change).collect()
     }
 
-    /// Readings one row late or early between the two points with which least is left.
-    pub(super) fn late_between_points(&self) -> Vec<Tried> {
+    /// Readings one row late or early, or with every sign reversed, between the two points with which least is left.
+    pub(super) fn changed_between_points(&self) -> Vec<Tried> {
         let (experiment, count) = (self.experiment, self.experiment.points.len());
         let points: Vec<usize> = (0..count).collect();
         let rows: Vec<usize> = points.iter().map(|&at| experiment.rows_of(at).start).collect();
         let as_given = experiment.readings_mm();
         let of_change = |(words, changed): (String, DVector<f64>)| {
-            let (window, left_mm) = self.model.least_of_windows_mm(&as_given, &changed, &rows)?;
+            let (window, _) = self.model.least_of_windows_mm(&as_given, &changed, &rows)?;
             let [first, last] = window.map(|row| rows.partition_point(|&begins| begins < row));
+            let left_mm = self.model.rms_mm(&self.spliced(&changed, first..last));
             let shifted_mm = self.model.rms_with_mm(&self.shift_of(first..last), &as_given);
             (last - first >= FEWEST && BELIEVED * left_mm <= shifted_mm).then(|| {
                 let [first, last] = [first, last].map(|at| 100.0 * at as f64 / count as f64);
-                (format!("the readings {words} from {first:.0} % to {last:.0} % of the points"), left_mm)
+                (format!("{words} from {first:.0} % to {last:.0} % of the points"), left_mm)
             })
         };
-        self.late_rows(&points, &[0, 1, 2], 1).into_iter().filter_map(of_change).collect()
+        let late = self.late_rows(&points, &[0, 1, 2], 1);
+        let late = late.map(|(words, changed)| (format!("the readings {words}"), changed));
+        let reversed = ("the signs of all readings reversed".to_string(), -&as_given);
+        late.into_iter().chain([reversed]).filter_map(of_change).collect()
+    }
+
+    /// The readings as they are, with some points as changed.
+    fn spliced(&self, changed: &DVector<f64>, points: Range<usize>) -> DVector<f64> {
+        let mut readings_mm = self.experiment.readings_mm();
+        for row in points.flat_map(|at| self.experiment.rows_of(at)) {
+            readings_mm[row] = changed[row];
+        }
+        readings_mm
     }
 
     /// A shift of every channel from a point on.

@@ -41,6 +41,9 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     // Readings that do not fit their positions.
     ["{}: the readings do not fit their positions: {} µm rms are left.", "{}: Die Messwerte passen nicht zu ihren Positionen: Es bleiben {} µm rms.", "{}：読みが位置と合わない。{} µm rms が残る。"],
     ["{}: the readings do not fit their positions: {} µm rms are left, and they repeat within {} µm.", "{}: Die Messwerte passen nicht zu ihren Positionen: Es bleiben {} µm rms, bei einer Wiederholung innerhalb {} µm.", "{}：読みが位置と合わない。{} µm rms が残り、繰返しは {} µm 以内である。"],
+    ["{}, and an effect of one axis besides", "{}, und dazu ein Effekt einer Achse", "{}、さらに一軸の効果"],
+    ["{}: readings of one pose repeat within {} µm, worse than with other poses.", "{}: Messwerte einer Stellung wiederholen sich innerhalb {} µm, schlechter als bei anderen Stellungen.", "{}：同じ姿勢の読みの繰返しは {} µm で、別の姿勢に対応させた場合より悪い。"],
+    ["With {}, they repeat within {} µm.", "Annahme: {}. Dann wiederholen sie sich innerhalb {} µm.", "仮定「{}」では {} µm 以内で繰り返す。"],
     ["With {}, {} µm are left.", "Annahme: {}. Dann bleiben {} µm.", "仮定「{}」では {} µm が残る。"],
     ["With {}, {} µm are left, and readings of one pose repeat within {} µm: no full explanation.", "Annahme: {}. Dann bleiben {} µm, und Messwerte einer Stellung wiederholen sich innerhalb {} µm: keine volle Erklärung.", "仮定「{}」では {} µm が残り、同じ姿勢の読みは {} µm 以内で繰り返す。完全な説明ではない。"],
     ["Look for another mistake, alone or with it, before you change anything.", "Vor jeder Änderung nach einem weiteren Fehler suchen, für sich oder zusammen mit diesem.", "変更する前に、単独または併存する別の誤りを探す。"],

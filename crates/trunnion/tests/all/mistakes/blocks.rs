@@ -1,9 +1,10 @@
 //! Gross mistakes in a part of a table: blocks pasted over others, rows between a lost and a doubled reading, signs lost in one setup, a correction
-//! switched on.
+//! switched on. And mistakes in all rows of a machine that lacks a large effect, which hides them from the base model.
 
 use super::probes::{GRAVITY, NOTHING, ProbeMistake};
 use super::{Files, READINGS};
 use std::ops::Range;
+use trunnion_effects::Instance;
 
 impl Files {
     /// The readings of some rows pasted over those of as many others.
@@ -20,6 +21,34 @@ impl Files {
         self.paste(lost + 1..doubled + 1, lost);
     }
 
+    /// What an effect of one parameter makes of the readings, µm of its largest share.
+    fn lacks(&mut self, id: &str, largest_um: f64) {
+        let run = self.open();
+        let effect = Instance::all(run.machine()).into_iter().find(|effect| effect.id() == id).unwrap();
+        let column = run.points().columns(&effect, &[]).column(0).into_owned();
+        let scale = largest_um / column.amax();
+        for row in 0..self.rows.len() {
+            for (k, name) in READINGS.into_iter().enumerate() {
+                self.set(row, name, self.number(row, name) + scale * column[3 * row + k], 2);
+            }
+        }
+    }
+
+    fn all_late(&mut self) {
+        for name in READINGS {
+            let column = self.column(name);
+            for row in (1..self.rows.len()).rev() {
+                self.rows[row][column] = self.rows[row - 1][column].clone();
+            }
+        }
+    }
+
+    fn negated(&mut self, rows: Range<usize>) {
+        for row in rows {
+            READINGS.into_iter().for_each(|name| self.set(row, name, -self.number(row, name), 2));
+        }
+    }
+
     /// What a correction of everything leaves in some rows.
     fn corrected(&mut self, rows: Range<usize>) {
         for row in rows {
@@ -30,7 +59,7 @@ impl Files {
     }
 }
 
-pub const BLOCKS: [ProbeMistake; 7] = [
+pub const BLOCKS: [ProbeMistake; 10] = [
     (
         "a block of readings pasted over the next",
         GRAVITY,
@@ -54,6 +83,31 @@ pub const BLOCKS: [ProbeMistake; 7] = [
         NOTHING,
         |f| f.early_between(134, 201),
         &["shifted one row later", "one pose early from 40 % to 60 % of the points", "Change it?"],
+    ),
+    (
+        "every sign of some rows reversed",
+        GRAVITY,
+        |f| f.negated(100..120),
+        &["the signs of all readings reversed from 30 % to 36 % of the points", "Change it?"],
+    ),
+    (
+        "the sign of one probe, on a machine that lacks a scale",
+        NOTHING,
+        |f| {
+            f.lacks("linear-scale:Y", 30.0);
+            f.readings(|[x, y, z]| [x, -y, z]);
+        },
+        &["the sign of the readings dy reversed", "and an effect of one axis besides, 0.3 µm are left"],
+    ),
+    (
+        "all readings one pose late, on a machine that lacks two effects",
+        NOTHING,
+        |f| {
+            f.lacks("linear-scale:X", 40.0);
+            f.lacks("squareness:ZX", 40.0);
+            f.all_late();
+        },
+        &["shifted one row earlier: they are one pose late", "they repeat within", "Change it?"],
     ),
     (
         "absolute values of one probe of one setup",
