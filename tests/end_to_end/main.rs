@@ -25,6 +25,7 @@ mod methods;
 mod nc_program;
 mod numbers_on_page;
 mod one_answer;
+mod outputs;
 mod outside_data;
 #[path = "../src/page_status.rs"]
 mod page_status;

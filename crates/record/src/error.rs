@@ -98,6 +98,21 @@ impl RecordError {
         matches!(self, Self::Io { .. } | Self::Write { source: mcap::McapError::Io(_), .. })
     }
 
+    /// What remains to be said where the file was named already.
+    #[must_use]
+    pub fn without_file(self) -> Box<dyn std::error::Error + Send + Sync> {
+        match self {
+            Self::Io { source, .. } | Self::Write { source: mcap::McapError::Io(source), .. } => {
+                source.into()
+            }
+            Self::Write { source, .. } => source.into(),
+            Self::NotARecording { offset, reason, .. } => {
+                format!("it is no recording: at byte {offset}, {reason}").into()
+            }
+            other => other.into(),
+        }
+    }
+
     pub(crate) fn io(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Io { what, path: path.into(), source }
     }

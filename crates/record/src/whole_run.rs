@@ -3,6 +3,7 @@
 use crate::error::RecordError;
 use crate::finish::FinishedFile;
 use crate::item::{Item, RunHeader};
+use crate::journal_file::remove_unready;
 use crate::writer::Recorder;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -76,15 +77,21 @@ impl RunWriter {
     /// Ends the recording.
     ///
     /// # Errors
-    /// As [`Recorder::finish`]; also when writing failed in between.
+    /// As [`Recorder::finish`]; also when writing failed in between. What a disk refused is thrown away: its source is still there.
     pub fn finish(self) -> Result<FinishedFile, RecordError> {
-        let Self { recorder, path, host_start } = self;
-        if let Some(why) = recorder.failing() {
-            let source = std::io::Error::other(why.to_string());
-            return Err(RecordError::Io { what: "write", path, source });
+        let Self { mut recorder, path, host_start } = self;
+        let journals: Vec<PathBuf> = recorder.journals().map(Path::to_path_buf).collect();
+        let finished = match recorder.take_failure() {
+            Some(failure) => {
+                drop(recorder);
+                Err(failure)
+            }
+            None => recorder.finish(host_start),
+        };
+        if finished.as_ref().is_err_and(RecordError::may_pass) {
+            journals.iter().for_each(|journal| remove_unready(journal));
         }
-        let finished = recorder.finish(host_start)?;
-        finished.files.into_iter().next().ok_or(RecordError::Exists { path })
+        finished?.files.into_iter().next().ok_or(RecordError::Exists { path })
     }
 
     /// Throws away what was written.

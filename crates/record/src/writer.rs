@@ -52,6 +52,8 @@ pub struct Recorder {
     missing: Option<Missing>,
     retry_at: HostTime,
     why_failed: String,
+    /// The same, while nothing can be written.
+    failure: Option<RecordError>,
     /// The failure that was logged last.
     reported: Option<String>,
     ring: VecDeque<(Encoded, u64)>,
@@ -91,6 +93,7 @@ impl Recorder {
             missing: None,
             retry_at: header.host_start,
             why_failed: String::new(),
+            failure: None,
             reported: None,
             ring: VecDeque::new(),
             ring_bytes: 0,
@@ -176,6 +179,11 @@ impl Recorder {
     /// Why nothing can be written at present; `None` while all is well.
     pub fn failing(&self) -> Option<&str> {
         self.journal.is_none().then_some(self.why_failed.as_str())
+    }
+
+    /// The same as it happened, once.
+    pub(crate) fn take_failure(&mut self) -> Option<RecordError> {
+        self.failure.take()
     }
 
     /// The journals written so far.
@@ -317,6 +325,7 @@ impl Recorder {
             self.reported = Some(why.clone());
         }
         self.why_failed = why;
+        self.failure = Some(error);
         self.retry_at = now + RETRY;
     }
 
@@ -352,7 +361,7 @@ impl Recorder {
         }
         self.settle_missing();
         tracing::info!("recording goes on in a new file");
-        self.reported = None;
+        (self.reported, self.failure) = (None, None);
         let text = format!("a new file was begun after: {}", self.why_failed);
         let resumed = Event { time_s: self.latest_s, kind: "recording-resumed".into(), text };
         let publish = wall_time(&self.header, now.seconds_since(self.header.host_start));

@@ -59,8 +59,8 @@ pub enum Error {
     Recording {
         /// The file.
         path: PathBuf,
-        /// The cause.
-        source: Box<RecordError>,
+        /// The cause, which does not name the file again.
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// Recordings that are no parts of one cycle.
     #[error("{} was not joined: {why}", path.display())]
@@ -163,8 +163,8 @@ pub enum Error {
     NotRecorded {
         /// The file.
         path: PathBuf,
-        /// The cause.
-        source: Box<RecordError>,
+        /// The cause, which does not name the file again.
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A program that was built without Parquet.
     #[error("this program was built without Parquet; build it with `--features full`, or export csv")]
@@ -319,6 +319,16 @@ impl Error {
         move |source| Self::Read { source: with_nearest(&path, source), path }
     }
 
+
+    /// Reading the recording `path` failed.
+    pub(crate) fn recording(path: &Path) -> impl Fn(RecordError) -> Self + Copy + '_ {
+        |source| Self::Recording { path: path.into(), source: source.without_file() }
+    }
+
+    /// Writing the recording `path` failed.
+    pub(crate) fn not_recorded(path: &Path) -> impl Fn(RecordError) -> Self + Copy + '_ {
+        |source| Self::NotRecorded { path: path.into(), source: source.without_file() }
+    }
     /// Writing `path` failed.
     pub(crate) fn write(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();

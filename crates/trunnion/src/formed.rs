@@ -67,7 +67,7 @@ fn with_key(text: &str, key: &str, value: &Value) -> Option<String> {
 /// # Errors
 /// As [`crate::open_with`]; an option that the cycle does not take; a recording without cycle or samples.
 pub fn open_formed(path: &Path, limits: Limits, form: &Form) -> Result<Experiment, Error> {
-    let not_read = |source| Error::Recording { path: path.into(), source: Box::new(source) };
+    let not_read = Error::recording(path);
     let header = form.changed(trunnion_record::read_header(path).map_err(not_read)?)?;
     let machine = |name: &str| files::machine(name).ok();
     let formed = recording::read_again(path, header, &machine, Some(limits)).map_err(not_read)?;

@@ -32,8 +32,8 @@ pub fn export(
     fit: Option<&Fit>,
     magnification: Option<f64>,
 ) -> Result<Written, Error> {
-    let not_read = |source| Error::Recording { path: recording.into(), source: Box::new(source) };
-    let not_written = |source| Error::NotRecorded { path: output.into(), source: Box::new(source) };
+    let not_read = Error::recording(recording);
+    let not_written = Error::not_recorded(output);
     files::may_be_replaced(output)?;
     let header = trunnion_record::read_header(recording).map_err(not_read)?;
     let named = || files::machine(&header.machine_name);

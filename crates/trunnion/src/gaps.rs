@@ -84,8 +84,7 @@ pub fn gaps_of(recording: &Path) -> Result<(String, Vec<Gap>), Error> {
         }
         true
     };
-    let (header, _) = trunnion_record::visit(recording, &mut take)
-        .map_err(|source| Error::Recording { path: recording.into(), source: Box::new(source) })?;
+    let (header, _) = trunnion_record::visit(recording, &mut take).map_err(Error::recording(recording))?;
     // A recording without a cycle is judged by the model of any.
     let cycle = Cycle::parse("recorded cycle", &header.cycle_text).map_or_else(|_| String::new(), |c| c.name);
     Ok((cycle, gaps.finish()))

@@ -18,8 +18,7 @@ const CHUNK: usize = 1 << 16;
 
 /// A recording.
 pub(crate) fn of_run(path: &Path, run: &Run) -> Result<RunIdentity, Error> {
-    let header = trunnion_record::read_header(path)
-        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
+    let header = trunnion_record::read_header(path).map_err(Error::recording(path))?;
     let began = moment::minute(header.wall_start_ns);
     Ok(RunIdentity {
         run: run.name.clone(),

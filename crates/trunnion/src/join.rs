@@ -11,7 +11,7 @@ use crate::recorded::plan_of;
 use part::Part;
 use std::path::{Path, PathBuf};
 use trunnion_core::{AxisSample, Event, Gap, ProbeSample, Quality};
-use trunnion_record::{Item, RecordError, RunHeader, RunWriter};
+use trunnion_record::{Item, RunHeader, RunWriter};
 use trunnion_results::{Joined, JoinedPart};
 use trunnion_sync::forming::Forming;
 use trunnion_sync::{CycleEvent, EndReason};
@@ -39,7 +39,7 @@ pub fn join(parts: &[PathBuf], output: &Path) -> Result<Joined, Error> {
     for (before, part) in parts.iter().zip(later) {
         part.follows(before, first).map_err(|why| not_one(&part.path, &why))?;
     }
-    let not_written = |source| Error::NotRecorded { path: output.into(), source: Box::new(source) };
+    let not_written = Error::not_recorded(output);
     let mut writing = Writing::begin(&parts, output)?;
     parts.iter().enumerate().try_for_each(|(k, part)| writing.take(k, part, &parts))?;
     let Writing { writer, good, .. } = writing.end();
@@ -91,8 +91,7 @@ impl Writing {
             .map_err(|why| not_one(&first.path, &why.to_string()))?;
         // A gap between two parts is not the end, however long.
         forming.set_held(true);
-        let writer = RunWriter::create(output, &header)
-            .map_err(|source| Error::NotRecorded { path: output.into(), source: Box::new(source) })?;
+        let writer = RunWriter::create(output, &header).map_err(Error::not_recorded(output))?;
         Ok(Self { writer, header, forming, formed: Vec::new(), good: 0, now_s: 0.0 })
     }
 
@@ -112,11 +111,7 @@ impl Writing {
             }
             true
         });
-        read.map_err(|source: RecordError| Error::Recording {
-            path: part.path.clone(),
-            source: Box::new(source),
-        })?;
-        Ok(())
+        read.map(drop).map_err(Error::recording(&part.path))
     }
 
     fn item(&mut self, item: Item, is_last: bool) {

@@ -184,8 +184,8 @@ const AT_FIRST: usize = 2;
 /// # Errors
 /// A recording that cannot be read, or a good one that holds no axis positions; knots that do not fit.
 pub fn attribute_run(path: &Path, knot_s: f64, smooth: bool) -> Result<Attributed, Error> {
-    let recording = trunnion_record::read_run(path, &|name| files::machine(name).ok())
-        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
+    let recording =
+        trunnion_record::read_run(path, &|name| files::machine(name).ok()).map_err(Error::recording(path))?;
     let text = &recording.header.cycle_text;
     let cycle = match text.is_empty() || smooth {
         true => None,

@@ -130,7 +130,7 @@ fn same_pose(a: &AxisValues<f64>, b: &AxisValues<f64>) -> bool {
 /// # Errors
 /// A recording that cannot be read; steps or readings that give no calibration.
 pub fn calibrate_nest(path: &Path, with_gains: bool) -> Result<(NestCalibrated, Missing), Error> {
-    let not_read = |source| Error::Recording { path: path.into(), source: Box::new(source) };
+    let not_read = Error::recording(path);
     let recording =
         crate::recording::read(path, &|name| crate::files::machine(name).ok(), None).map_err(not_read)?;
     let header = trunnion_record::read_header(path).map_err(not_read)?;

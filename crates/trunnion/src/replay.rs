@@ -39,7 +39,7 @@ pub enum Happened {
 /// # Errors
 /// A file that cannot be read, or that holds no cycle or no samples; an option that the cycle does not take.
 pub fn replay(path: &Path, form: &Form, on_moment: &mut dyn FnMut(Moment) -> bool) -> Result<(), Error> {
-    let not_read = |source| Error::Recording { path: path.into(), source: Box::new(source) };
+    let not_read = Error::recording(path);
     let no_samples = || Error::NoSamples { path: path.into() };
     let header = form.changed(trunnion_record::read_header(path).map_err(not_read)?)?;
     let plan = plan_of(&header).ok_or_else(no_samples)?;

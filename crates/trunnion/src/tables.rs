@@ -26,7 +26,7 @@ pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Resu
     let (setup_text, points_text) = (files::read(setup)?, files::read_table(points)?);
     let (points_file, setup_file) = (points.display().to_string(), setup.display().to_string());
     let name = output.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy());
-    let not_written = |source| Error::NotRecorded { path: output.into(), source: Box::new(source) };
+    let not_written = Error::not_recorded(output);
     let begin = |run: &Run| -> Result<RunWriter, Error> {
         let machine = parse_setup_file(&setup_file, &setup_text)?.machine;
         let machine_text = files::machine_text(&files::next_to(setup, &machine))?;
@@ -62,8 +62,7 @@ pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Resu
 /// # Errors
 /// A file that is no finished recording, or a copy that cannot be written; the recording is then as it was.
 pub fn scrub(path: &Path) -> Result<results::ScrubbedRecording, Error> {
-    let scrubbed = trunnion_record::scrub(path)
-        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
+    let scrubbed = trunnion_record::scrub(path).map_err(Error::recording(path))?;
     let damage = scrubbed.damage.map(|damage| damage.to_string());
     Ok(results::ScrubbedRecording { run: path.display().to_string(), changed: scrubbed.changed, damage })
 }
@@ -82,7 +81,7 @@ pub fn export_csv(path: &Path) -> Result<(String, Missing), Error> {
             }
             true
         })
-        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
+        .map_err(Error::recording(path))?;
     }
     let missing = Missing::of(path, &recording.gaps, recording.damage.as_ref());
     Ok((trunnion_record::export::points_csv_with_axes(&recording.run, &axes), missing))
@@ -141,7 +140,7 @@ pub fn export(path: &Path, what: Exported) -> Result<(String, Missing), Error> {
                 }
                 true
             })
-            .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })?;
+            .map_err(Error::recording(path))?;
             let table = match what {
                 Exported::Samples => trunnion_record::export::probe_samples_csv(&header, &probes),
                 _ => {
@@ -171,5 +170,5 @@ pub fn record(
     header.cycle_text = cycle_text.into();
     trunnion_record::write_run_with_axes(path, &header, run, axes)
         .map(drop)
-        .map_err(|source| Error::NotRecorded { path: path.into(), source: Box::new(source) })
+        .map_err(Error::not_recorded(path))
 }

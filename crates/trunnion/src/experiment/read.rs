@@ -59,7 +59,7 @@ fn read_next(
         });
     }
     recording::read_next(path, &|name| files::machine(name).ok(), limits, planned)
-        .map_err(|source| Error::Recording { path: path.into(), source: Box::new(source) })
+        .map_err(Error::recording(path))
 }
 
 /// Reads a points file with its setup file.

@@ -24,7 +24,7 @@ pub(super) struct Part {
 
 impl Part {
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
-        let failed = |source| Error::Recording { path: path.into(), source: Box::new(source) };
+        let failed = Error::recording(path);
         let header = trunnion_record::read_header(path).map_err(failed)?;
         let mut part = Self {
             path: path.into(),

@@ -63,8 +63,7 @@ impl Rows {
     /// # Errors
     /// A recording whose header cannot be read.
     pub fn add(&mut self, recording: &Path, table: &str) -> Result<(), Error> {
-        let header = trunnion_record::read_header(recording)
-            .map_err(|source| Error::Recording { path: recording.into(), source: Box::new(source) })?;
+        let header = trunnion_record::read_header(recording).map_err(Error::recording(recording))?;
         let plate = NamePlate::parse("machine.toml", &header.machine_text).unwrap_or_default();
         let run = recording.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         let began = moment::minute(header.wall_start_ns).unwrap_or_default();

@@ -1,0 +1,58 @@
+//! What is written where something cannot be read or written: nothing half done, nothing lost, one sentence why.
+
+use super::one_line;
+use super::program::{answer, data, import, trunnion, written};
+use std::path::Path;
+use std::process::Command;
+
+fn names(folder: &Path) -> Vec<String> {
+    let files = std::fs::read_dir(folder).unwrap().flatten();
+    let mut names: Vec<String> = files.map(|file| file.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn an_import_that_the_disk_refuses_leaves_nothing_and_says_it_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("a.mcap").display().to_string();
+    let from = data("points-gravity");
+    let import = |before: &str| {
+        Command::new("bash")
+            .args(["-c", &format!("{before}; exec \"$@\""), "bash", env!("CARGO_BIN_EXE_trunnion"), "import"])
+            .arg(from.join("points.csv"))
+            .arg("--setup")
+            .arg(from.join("setup.toml"))
+            .args(["-o", &run])
+            .env("COLUMNS", "1000")
+            .output()
+            .unwrap()
+    };
+    // Blocks of 1 kB: the journal of these points takes more, as on a disk that fills up on the way, and right at the beginning.
+    for blocks in [16, 0] {
+        let refused = import(&format!("trap '' XFSZ; ulimit -f {blocks}"));
+        let said = one_line(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(1), "{said}");
+        assert!(said.starts_with(&format!("trunnion: cannot write {run}: File too large")), "{said}");
+        assert_eq!(said.matches("cannot write").count(), 1, "{said}");
+        assert_eq!(names(folder.path()), Vec::<String>::new());
+    }
+    assert!(import("true").status.success(), "the name is free");
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_named_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |file: &str, cause: &str| {
+        let said = one_line(&answer(&["identify", file]).stderr);
+        assert_eq!(said, format!("trunnion: cannot read the recording {file}: {cause}"));
+    };
+    let gone = folder.path().join("x.mcap").display().to_string();
+    check(&gone, "No such file or directory (os error 2)");
+    let text = written(folder.path(), "text.mcap", "no recording at all, but a text of some length");
+    let said = one_line(&answer(&["identify", &text]).stderr);
+    assert!(
+        said.starts_with(&format!("trunnion: cannot read the recording {text}: it is no recording: ")),
+        "{said}"
+    );
+}
