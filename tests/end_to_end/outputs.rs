@@ -13,6 +13,30 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
+fn a_table_stays_where_none_of_the_recordings_can_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (run, table, gone) = (import("points-gravity", folder.path()), path("t.parquet"), path("nope.mcap"));
+    let shown = trunnion(&["export", "parquet", &run, "--what", "runs", "-o", &table]);
+    assert!(shown.starts_with("1 row of 1 recording: "), "{shown}");
+    let before = std::fs::read(&table).unwrap();
+    let refused = answer(&["export", "parquet", &gone, "-o", &table]);
+    let said = one_line(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(1), "{said}");
+    assert!(
+        said.contains("none of the recordings can be read") && said.contains("t.parquet was not written"),
+        "{said}"
+    );
+    assert_eq!(std::fs::read(&table).unwrap(), before);
+    // One that can be read is worth a table, and the other is named.
+    let part = answer(&["export", "parquet", &run, &gone, "--what", "runs", "-o", &table]);
+    assert_eq!(part.status.code(), Some(3));
+    assert!(one_line(&part.stderr).contains("left out: "), "{}", one_line(&part.stderr));
+    assert!(one_line(&part.stdout).starts_with("1 row of 1 recording: "), "{}", one_line(&part.stdout));
+    assert_eq!(names(folder.path()), ["run.mcap", "t.parquet"]);
+}
+
+#[test]
 fn an_import_that_the_disk_refuses_leaves_nothing_and_says_it_once() {
     let folder = tempfile::tempdir().unwrap();
     let run = folder.path().join("a.mcap").display().to_string();

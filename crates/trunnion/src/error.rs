@@ -173,15 +173,10 @@ pub enum Error {
     #[cfg(feature = "parquet")]
     #[error("an exported table cannot be read; this is a defect of the program")]
     Table(#[source] csv::Error),
-    /// A Parquet file that cannot be written.
+    /// Rows that do not become a Parquet table.
     #[cfg(feature = "parquet")]
-    #[error("cannot write {}", path.display())]
-    Parquet {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        source: parquet::errors::ParquetError,
-    },
+    #[error("the rows cannot be written as Parquet")]
+    Parquet(#[source] parquet::errors::ParquetError),
     /// Steps or readings that calibrate no nest.
     #[error("the nest cannot be calibrated")]
     Nest(#[source] Box<trunnion_sync::nest::NestError>),
@@ -319,6 +314,11 @@ impl Error {
         move |source| Self::Read { source: with_nearest(&path, source), path }
     }
 
+    /// Writing `path` failed.
+    pub(crate) fn write(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_owned();
+        move |source| Self::Write { path, source }
+    }
 
     /// Reading the recording `path` failed.
     pub(crate) fn recording(path: &Path) -> impl Fn(RecordError) -> Self + Copy + '_ {
@@ -328,10 +328,5 @@ impl Error {
     /// Writing the recording `path` failed.
     pub(crate) fn not_recorded(path: &Path) -> impl Fn(RecordError) -> Self + Copy + '_ {
         |source| Self::NotRecorded { path: path.into(), source: source.without_file() }
-    }
-    /// Writing `path` failed.
-    pub(crate) fn write(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
-        let path = path.to_owned();
-        move |source| Self::Write { path, source }
     }
 }

@@ -51,13 +51,9 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             machine: run.machine.name,
         })?;
     } else {
-        let setups = counted(run.setups.len() as u64, "setup");
-        terminal::print(&format!("{} of {setups} -> {}\n", counted(points, "point"), args.output.display()))?;
+        let (points, setups) =
+            (terminal::counted(points, "point"), terminal::counted(run.setups.len() as u64, "setup"));
+        terminal::print(&format!("{points} of {setups} -> {}\n", args.output.display()))?;
     }
     Ok(Outcome::Done)
-}
-
-/// `1 setup`, `2 setups`.
-fn counted(count: u64, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }

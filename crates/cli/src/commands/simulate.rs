@@ -88,7 +88,8 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             run: args.output.display().to_string(),
         })?;
     } else {
-        terminal::print(&format!("{} points -> {}\n", run.points.len(), args.output.display()))?;
+        let points = terminal::counted(run.points.len() as u64, "point");
+        terminal::print(&format!("{points} -> {}\n", args.output.display()))?;
     }
     Ok(Outcome::Done)
 }

@@ -1,6 +1,6 @@
 //! Tables of many recordings as one Parquet file: machine, serial number, run and its beginning in front of every row.
 
-use crate::{Error, files, moment};
+use crate::{Error, moment};
 use parquet::basic::Compression;
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType};
 use parquet::errors::ParquetError;
@@ -96,18 +96,17 @@ impl Rows {
         self.count
     }
 
-    /// Writes the file.
+    /// The file that has them.
     ///
     /// # Errors
-    /// A file that cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let written = |source| Error::Parquet { path: path.into(), source };
-        files::may_be_replaced(path)?;
-        let file = std::fs::File::create(path).map_err(Error::write(path))?;
-        self.write_to(file).map_err(written)
+    /// Rows that do not become a table.
+    pub fn file(&self) -> Result<Vec<u8>, Error> {
+        let mut file = Vec::new();
+        self.write_to(&mut file).map_err(Error::Parquet)?;
+        Ok(file)
     }
 
-    fn write_to(&self, file: std::fs::File) -> Result<(), ParquetError> {
+    fn write_to(&self, file: &mut Vec<u8>) -> Result<(), ParquetError> {
         let fields = self.columns.iter().map(|Column { name, cells }| match cells {
             Cells::Text(_) => format!("OPTIONAL BYTE_ARRAY {name} (UTF8);"),
             Cells::Numbers(_) => format!("OPTIONAL DOUBLE {name};"),
@@ -172,7 +171,7 @@ impl Cells {
 
 /// Cells of the next column of a group.
 fn write_column<V, T: DataType<T = V>>(
-    group: &mut SerializedRowGroupWriter<'_, std::fs::File>,
+    group: &mut SerializedRowGroupWriter<'_, &mut Vec<u8>>,
     cells: impl Iterator<Item = Option<V>>,
 ) -> Result<(), ParquetError> {
     let (mut values, mut known) = (Vec::new(), Vec::new());

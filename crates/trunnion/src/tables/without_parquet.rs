@@ -32,7 +32,7 @@ impl Rows {
     ///
     /// # Errors
     /// None.
-    pub fn write(&self, _: &Path) -> Result<(), Error> {
+    pub fn file(&self) -> Result<Vec<u8>, Error> {
         match *self {}
     }
 }
