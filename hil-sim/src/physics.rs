@@ -30,7 +30,7 @@ impl VirtualMachine {
     /// # Errors
     /// When the truth names another machine.
     pub fn new(machine: Machine, truth: Truth) -> Result<Self, OtherMachine> {
-        if machine.name != truth.machine {
+        if machine.name != Machine::name_of(&truth.machine) {
             return Err(OtherMachine::Name { truth: truth.machine, machine: machine.name });
         }
         let mut location = truth.location;

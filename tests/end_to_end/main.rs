@@ -27,6 +27,7 @@ mod numbers_on_page;
 mod one_answer;
 mod outputs;
 mod outside_data;
+mod own_machine;
 #[path = "../src/page_status.rs"]
 mod page_status;
 mod plan;

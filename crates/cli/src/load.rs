@@ -9,7 +9,7 @@ use trunnion::results::Plausibility;
 use trunnion::{Experiment, Form, Limits, Model};
 use trunnion_service::run_record;
 
-pub use trunnion::files::{machine, machine_text, read};
+pub use trunnion::files::{machine_in, machine_text, read};
 
 /// Most blocks that may be asked for.
 const MOST_BLOCKS: usize = 20_000;

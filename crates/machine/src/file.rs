@@ -6,6 +6,8 @@ mod moves;
 use crate::{Axis, Machine, NamePlate};
 use moves::{FARTHEST_MM, moves};
 use nalgebra::{Point3, Vector3};
+use std::ffi::OsStr;
+use std::path::Path;
 use trunnion_core::input::{Document, Table};
 use trunnion_core::names::nearest;
 use trunnion_core::{Joint, Problems, convert};
@@ -15,6 +17,13 @@ use trunnion_core::{Joint, Problems, convert};
 pub const QUANTITY_PREFIXES: [&str; 4] = ["v", "a", "dir", "since"];
 
 impl Machine {
+    /// What a machine is called of which another file says this: a name, or the path of a machine file, which is called after it.
+    pub fn name_of(named: &str) -> &str {
+        let path = Path::new(named);
+        let is_file = path.extension().is_some_and(|ending| ending == "toml");
+        path.file_stem().filter(|_| is_file).and_then(OsStr::to_str).unwrap_or(named)
+    }
+
     /// Reads a machine file. `name` is what runs and models call the machine; `file` is shown in problems.
     ///
     /// # Errors

@@ -28,12 +28,14 @@ impl Machine {
         position: &AxisValues<f64>,
         ball_in_table_mm: &Point3<f64>,
     ) -> Option<AxisValues<f64>> {
-        let moved = Joint::LINEAR;
-        if moved.iter().any(|&letter| self.axis(letter).is_none()) {
+        let has_letters = Joint::LINEAR.iter().all(|&letter| self.axis(letter).is_some());
+        // Axes in addition to X, Y and Z stay; without these, every linear joint moves.
+        let moved = if has_letters { Joint::LINEAR.to_vec() } else { self.linear_joints() };
+        if moved.len() < Joint::LINEAR.len() {
             return None;
         }
         let mut start = *position;
-        for letter in moved {
+        for &letter in &moved {
             start[letter] = 0.0;
         }
         self.approach(start, &moved, ball_in_table_mm, None)

@@ -32,7 +32,7 @@ pub struct NcProgram {
 /// A file that cannot be read; every problem of it.
 pub fn load(path: &Path) -> Result<(Cycle, Machine), Error> {
     let cycle = Cycle::parse(&path.display().to_string(), &files::read(path)?)?;
-    let machine = files::machine(&cycle.machine)?;
+    let (machine, _) = files::machine_in(path, &cycle.machine)?;
     Ok((cycle, machine))
 }
 

@@ -18,11 +18,8 @@ use trunnion_machine::{Machine, shipped};
 /// # Errors
 /// No such machine, or a machine file with problems.
 pub fn machine(name: &str) -> Result<Machine, Error> {
-    let path = Path::new(name);
-    if path.extension().is_some_and(|ending| ending == "toml") {
-        let text = read(path)?;
-        let stem = path.file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
-        return Ok(Machine::parse(&stem, name, &text)?);
+    if Machine::name_of(name) != name {
+        return Ok(Machine::parse(Machine::name_of(name), name, &read(Path::new(name))?)?);
     }
     shipped::machine(name).ok_or_else(|| Error::NoSuchMachine {
         name: name.into(),
@@ -30,10 +27,24 @@ pub fn machine(name: &str) -> Result<Machine, Error> {
     })
 }
 
-/// The machine that a file names: by a path from the folder of that file where there is one, else as it is.
+/// The machine that a file names: by a path from the folder of that file where there is one, else as it is. A name that no shipped machine
+/// has is that of a machine file next to the file, as in a cycle that was planned for it.
 pub fn next_to(file: &Path, machine: &str) -> String {
-    let near = file.with_file_name(machine);
-    if machine.ends_with(".toml") && near.is_file() { near.display().to_string() } else { machine.into() }
+    let is_name = Machine::name_of(machine) == machine;
+    if is_name && shipped::machine(machine).is_some() {
+        return machine.into();
+    }
+    let near = file.with_file_name(if is_name { format!("{machine}.toml") } else { machine.into() });
+    if near.is_file() { near.display().to_string() } else { machine.into() }
+}
+
+/// The machine that a file names, and the text of its machine file for the recording.
+///
+/// # Errors
+/// As [`machine()`].
+pub fn machine_in(file: &Path, name: &str) -> Result<(Machine, String), Error> {
+    let name = next_to(file, name);
+    Ok((machine(&name)?, machine_text(&name)?))
 }
 
 /// Reads what names its machine in a setup file: a machine file next to that one that is wrong is the error, not a name that nobody knows.

@@ -64,17 +64,16 @@ pub fn prepare_cycle(path: &Path, cycle: &Path) -> anyhow::Result<(Config, Choic
     Ok((config, choice))
 }
 
-fn choice(config: &Config, begun_by: BegunBy, cycle: &Path, model: Option<&Path>) -> anyhow::Result<Choice> {
-    let cycle_text = load::read(cycle)?;
-    let cycle = Cycle::parse(&cycle.display().to_string(), &cycle_text)?;
+fn choice(config: &Config, begun_by: BegunBy, path: &Path, model: Option<&Path>) -> anyhow::Result<Choice> {
+    let cycle_text = load::read(path)?;
+    let cycle = Cycle::parse(&path.display().to_string(), &cycle_text)?;
     bar_zero::check(config, &cycle)?;
-    let machine = load::machine(&cycle.machine)?;
+    let (machine, machine_text) = load::machine_in(path, &cycle.machine)?;
     let model_file = model.map(Path::to_owned);
     let model = match model {
         Some(path) => Model::load(path)?,
         None => Model::base(&machine.name),
     };
-    let machine_text = load::machine_text(&cycle.machine)?;
     let texts = Texts { machine: machine_text, cycle: cycle_text, config: config.text.clone() };
     let plan = Plan { machine, cycle, nest: config.nest, channels: channels(&config.devices) };
     Ok(Choice { begun_by, plan, texts, model, model_file })

@@ -47,8 +47,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
     let text = load::read(&args.truth)?;
     let truth = Truth::parse(&args.truth.display().to_string(), &text)?;
-    let machine = load::machine(&truth.machine)?;
-    let machine_text = load::machine_text(&truth.machine)?;
+    let (machine, machine_text) = load::machine_in(&args.truth, &truth.machine)?;
     let mut simulated = match &args.cycle {
         Some(path) => cycle_run(args, path, &machine, &truth)?,
         None => standard_run(args, &machine, &truth)?,
@@ -132,12 +131,20 @@ fn standard_run(args: &Args, machine: &Machine, truth: &Truth) -> anyhow::Result
 fn cycle_run(args: &Args, path: &Path, machine: &Machine, truth: &Truth) -> anyhow::Result<Simulated> {
     let cycle_text = load::read(path)?;
     let cycle = Cycle::parse(&path.display().to_string(), &cycle_text)?;
-    if cycle.machine != truth.machine {
+    if Machine::name_of(&cycle.machine) != machine.name {
         bail!(
             "cycle {} is for machine {}, the truth is of {}; choose a cycle of that machine",
             path.display(),
             cycle.machine,
             truth.machine
+        );
+    }
+    let (of_cycle, _) = load::machine_in(path, &cycle.machine)?;
+    if of_cycle != *machine {
+        bail!(
+            "cycle {} and the truth name two machine files {}, which differ; name the same file in both",
+            path.display(),
+            machine.name
         );
     }
     if !(0.01..=100_000.0).contains(&args.points_per_s) {
