@@ -5,7 +5,7 @@ use crate::{load, terminal};
 use anyhow::Context;
 use serde_json::Value;
 use std::path::PathBuf;
-use trunnion::results::PageStatus;
+use trunnion::results::{CycleState, PageStatus, Published, ReadyNow};
 use trunnion_service::caller::Caller;
 use trunnion_service::config::Config;
 
@@ -72,12 +72,21 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
 fn text(status: &PageStatus, asked_to_begin: bool) -> String {
     let cycle = status.topics.get("cycle").unwrap_or(&Value::Null);
     let words = |key: &str| cycle[key].as_str().unwrap_or_default();
-    let mut text =
-        format!("{}: {}", status.name, if words("state").is_empty() { "no cycle" } else { words("state") });
+    let (ready, against) = readiness(status);
+    // Before the first cycle its state is that of the devices; afterwards that of the newest cycle.
+    let state = match words("state") {
+        "" => "no cycle",
+        state if state == CycleState::Ready.as_str() => ready,
+        state => state,
+    };
+    let mut text = format!("{}: {state}", status.name);
     for (key, before) in [("cycle", " "), ("run", ", run "), ("why", ": ")] {
         if !words(key).is_empty() {
             text += &format!("{before}{}", words(key));
         }
+    }
+    if words("state") != CycleState::Measuring.as_str() {
+        against.iter().for_each(|why| text += &format!("\n  against a cycle: {why}"));
     }
     if asked_to_begin && !["measuring", "refused"].contains(&words("state")) {
         text += "\n  asked to begin; it has not begun yet: see `trunnion cycle status` before asking again";
@@ -87,4 +96,39 @@ fn text(status: &PageStatus, asked_to_begin: bool) -> String {
     }
     let names: Vec<&str> = status.cycles.iter().map(|cycle| cycle.name.as_str()).collect();
     text + &format!("\n  cycles: {}\n", names.join(", "))
+}
+
+/// Whether a cycle may begin, and what stands against it: what MQTT `ready` says.
+fn readiness(status: &PageStatus) -> (&'static str, Vec<String>) {
+    let topic = status.topics.get(ReadyNow::TOPIC).cloned();
+    let Some(now) = topic.and_then(|now| serde_json::from_value::<ReadyNow>(now).ok()) else {
+        return ("waits for its devices", Vec::new());
+    };
+    (if now.ready { "ready" } else { "not ready" }, now.why)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn a_service_without_its_devices_is_not_ready() {
+        let check = |cycle: Value, ready: Option<Value>, expected: &str| {
+            let mut topics = BTreeMap::from([("cycle".to_owned(), cycle)]);
+            topics.extend(ready.map(|ready| ("ready".to_owned(), ready)));
+            let status = PageStatus { name: "machine-1".into(), topics, ..PageStatus::default() };
+            assert_eq!(text(&status, false), format!("machine-1: {expected}\n  cycles: \n"));
+        };
+        let why = "probe-1: there is no value yet";
+        let absent = json!({ "ready": false, "why": [why] });
+        let waits = || json!({ "state": "ready" });
+        check(waits(), Some(absent.clone()), &format!("not ready\n  against a cycle: {why}"));
+        check(waits(), Some(json!({ "ready": true, "why": [] })), "ready");
+        check(waits(), None, "waits for its devices");
+        let done = json!({ "state": "done", "cycle": "low", "run": "a" });
+        check(done, Some(absent.clone()), &format!("done low, run a\n  against a cycle: {why}"));
+        check(json!({ "state": "measuring", "cycle": "low" }), Some(absent), "measuring low");
+    }
 }
