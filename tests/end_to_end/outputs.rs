@@ -1,7 +1,8 @@
 //! What is written where something cannot be read or written: nothing half done, nothing lost, one sentence why.
 
-use super::one_line;
 use super::program::{answer, data, import, trunnion, written};
+use super::shop::{self, Service, until};
+use super::{one_line, three_probes};
 use std::path::Path;
 use std::process::Command;
 
@@ -79,4 +80,30 @@ fn a_file_that_cannot_be_read_is_named_once() {
         said.starts_with(&format!("trunnion: cannot read the recording {text}: it is no recording: ")),
         "{said}"
     );
+}
+
+#[test]
+fn a_log_that_is_no_screen_has_no_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = [
+        &three_probes::head("runs"),
+        &three_probes::nest(),
+        &three_probes::devices(folder.path(), three_probes::SILENCE_MS),
+        "[cycle_start]\nby = \"motion\"\n",
+    ];
+    let file = written(folder.path(), "trunnion.toml", &config.map(|part| part.as_ref() as &str).concat());
+    let cycle = include_str!("../../config/cycles/demo-static.toml");
+    written(folder.path(), "c.toml", cycle);
+    let log = folder.path().join("log.txt");
+    let service = Service::start_by(
+        Command::new(env!("CARGO_BIN_EXE_trunnion"))
+            .args(["daemon", "--config", &file])
+            .stderr(std::fs::File::create(&log).unwrap()),
+    );
+    let said = until("a line of the log", || {
+        std::fs::read_to_string(&log).ok().filter(|text| text.contains("not ready for a cycle"))
+    });
+    service.kill();
+    assert!(!said.contains('\u{1b}'), "{said:?}");
+    assert!(shop::files(folder.path(), ".mcap").is_empty());
 }

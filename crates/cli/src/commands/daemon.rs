@@ -3,6 +3,7 @@
 use crate::load;
 use crate::outcome::Outcome;
 use anyhow::Context;
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -125,5 +126,7 @@ pub fn log_to_stderr() {
     let usual = Targets::new().with_default(LevelFilter::INFO).with_target("rumqttc", LevelFilter::WARN);
     let chosen: Option<Targets> = std::env::var("RUST_LOG").ok().and_then(|text| text.parse().ok());
     let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    // Colours are for a screen: in a file or a pipe they are characters that no search finds a word through.
+    let lines = if std::io::stderr().is_terminal() { lines } else { lines.with_ansi(false) };
     tracing_subscriber::registry().with(lines).with(chosen.unwrap_or(usual)).init();
 }
