@@ -1,7 +1,7 @@
 //! The runs of one machine through the binary.
 
-use crate::dated;
 use crate::program::{data, json, output, trunnion};
+use crate::{dated, one_line};
 use serde_json::Value;
 use std::path::Path;
 
@@ -196,4 +196,38 @@ fn the_next_day_is_forecast_from_frozen_values_once_five_days_were_measured() {
     assert!(why_not.contains("day-7 is outside its control limits"), "{why_not}");
     let text = trunnion(&["history", "--folder", &folder.path().display().to_string()]);
     assert!(text.contains("No forecast of the next day: day-7 is outside"), "{text}");
+}
+
+#[test]
+fn other_machines_of_the_folder_are_named_and_how_to_ask_for_them() {
+    let folder = tempfile::tempdir().unwrap();
+    simulate(folder.path(), "day-1.mcap", 1, 25.0);
+    for number in 1..=2 {
+        let truth = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/truths/table-ac.toml");
+        let run = folder.path().join(format!("other-{number}.mcap")).display().to_string();
+        trunnion(&["simulate", truth, "--run", &number.to_string(), "-o", &run]);
+    }
+    let name = folder.path().display().to_string();
+    let text =
+        |more: &[&str]| one_line(trunnion(&[&["history", "--folder", &name], more].concat()).as_bytes());
+    let of_newest = text(&[]);
+    assert!(of_newest.contains("Machine table-bc; model:") || of_newest.contains("Machine table-ac; model:"));
+    let of_other = text(&["table-ac"]);
+    let note = "The folder also has runs of table-bc (1 run). Name a machine to see its runs: `trunnion history table-bc` with the same --folder.";
+    assert!(of_other.contains(note), "{of_other}");
+    let of_first = text(&["table-bc"]);
+    assert!(of_first.contains("The folder also has runs of table-ac (2 runs)."), "{of_first}");
+}
+
+#[test]
+fn a_history_without_a_run_to_compare_has_no_empty_model() {
+    let folder = tempfile::tempdir().unwrap();
+    simulate(folder.path(), "day-1.mcap", 1, 25.0);
+    let run = folder.path().join("day-1.mcap");
+    let header = trunnion_record::read_header(&run).unwrap();
+    std::fs::remove_file(&run).unwrap();
+    // A run without points.
+    trunnion_record::RunWriter::create(&run, &header).unwrap().finish().unwrap();
+    let (_, text, _) = output(&["history", "--folder", &folder.path().display().to_string()]);
+    assert!(text.contains("Machine table-bc\n") && !text.contains("model:"), "{text}");
 }

@@ -15,6 +15,7 @@ pub use keeper::{Keeper, Working};
 use crate::{Diagnosed, Error, Model, moment};
 use found::{Found, diagnosed};
 use keeper::{CHANGE, FORECAST};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use trunnion_core::{chain, names};
 use trunnion_results::{
@@ -70,11 +71,12 @@ pub fn history(
     if !headers.iter().any(|header| header.machine == machine) {
         return Err(no_runs(machine, &headers));
     }
+    let notes = others(&machine, &headers).into_iter().collect();
     // What cannot be read has no machine; it is listed, lest it is missed.
     headers.retain(|header| header.machine == machine || header.machine.is_empty());
     let since = index_of(&headers, wanted.since.as_deref())?;
     let model = wanted.model.as_ref();
-    let mut history = MachineHistory { machine, ..MachineHistory::default() };
+    let mut history = MachineHistory { machine, notes, ..MachineHistory::default() };
     let mut last_two: [Option<Comparable>; 2] = [None, None];
     let mut recordings = Vec::new();
     keeper.total = headers.len() + [CHANGE, FORECAST].len();
@@ -221,6 +223,22 @@ fn no_runs(machine: String, headers: &[Header]) -> Error {
         false => format!("they are of {}", names::allowed(&machine, machines)),
     };
     Error::NoRuns { machine, allowed }
+}
+
+/// Which machines the other runs are of, and how they are asked for; `None` where there are none.
+fn others(machine: &str, headers: &[Header]) -> Option<String> {
+    let mut others = BTreeMap::<&str, usize>::new();
+    for header in headers.iter().filter(|header| header.machine != machine && !header.machine.is_empty()) {
+        *others.entry(&header.machine).or_default() += 1;
+    }
+    let (first, _) = others.first_key_value()?;
+    let runs = |count: usize| if count == 1 { "1 run".to_owned() } else { format!("{count} runs") };
+    let named: Vec<String> =
+        others.iter().map(|(name, count)| format!("{name} ({})", runs(*count))).collect();
+    Some(format!(
+        "The folder also has runs of {}. Name a machine to see its runs: `trunnion history {first}` with the same --folder.",
+        named.join(", ")
+    ))
 }
 
 /// Index of the run of this name; of the first without one.

@@ -21,7 +21,12 @@ pub fn history_text(history: &MachineHistory) -> String {
         text += &around.words.iter().map(|words| paragraph(words)).collect::<String>();
         text.push('\n');
     }
-    text += &format!("Machine {}; model: {}\n", history.machine, history.effects.join(" + "));
+    text += &format!("Machine {}", history.machine);
+    // Without a run that can be compared there is no model.
+    if !history.effects.is_empty() {
+        text += &format!("; model: {}", history.effects.join(" + "));
+    }
+    text.push('\n');
     text += &runs(history);
     let limits: String = values(history);
     if !limits.is_empty() {
