@@ -83,6 +83,20 @@ fn a_file_that_cannot_be_read_is_named_once() {
 }
 
 #[test]
+fn an_unknown_effect_is_named_with_its_nearest_and_an_effect_comes_before_its_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = import("points-gravity", folder.path());
+    let model = folder.path().join("m.toml").display().to_string();
+    let said = one_line(&answer(&["add", "gravity-sagg:B", &run, "--model", &model]).stderr);
+    let expected =
+        "trunnion: there is no effect \"gravity-sagg:B\" on machine table-bc; allowed: gravity-sag:B";
+    assert!(said.starts_with(expected) && said.contains("did you mean gravity-sag:B?"), "{said}");
+    let said = one_line(&answer(&["add", &run, "gravity-sag:B", "--model", &model]).stderr);
+    assert!(said.contains("the effect comes first: trunnion add EFFECT RUN.mcap"), "{said}");
+    assert_eq!(names(folder.path()), ["run.mcap"]);
+}
+
+#[test]
 fn a_log_that_is_no_screen_has_no_colours() {
     let folder = tempfile::tempdir().unwrap();
     let config = [

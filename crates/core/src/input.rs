@@ -305,7 +305,8 @@ impl<'d> Table<'d> {
         self.table.get(key)
     }
 
-    fn require(&self, key: &str, expected: &str) -> Option<()> {
+    /// Notes a key that is missing; `None` then.
+    pub fn require(&self, key: &str, expected: &str) -> Option<()> {
         if self.get(key).is_some() {
             return Some(());
         }

@@ -6,7 +6,7 @@ use trunnion_engine::{DiagnoseError, IdentifyError};
 #[derive(Debug, thiserror::Error)]
 pub enum AnalysisError {
     /// The fit failed.
-    #[error("identifying the machine's errors failed")]
+    #[error(transparent)]
     Identify(#[from] IdentifyError),
     /// The diagnosis failed.
     #[error("looking for missing effects failed")]

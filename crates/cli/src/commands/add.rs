@@ -3,7 +3,7 @@
 use crate::load::{Loaded, TrustedArgs};
 use crate::outcome::Outcome;
 use crate::{load, terminal};
-use anyhow::Context;
+use anyhow::{Context, bail};
 use std::path::PathBuf;
 use trunnion::{FormulaText, Model};
 
@@ -73,6 +73,12 @@ fn grid(text: &str) -> Result<(String, Vec<f64>), String> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<Outcome> {
+    if args.effect.ends_with(".mcap") {
+        bail!(
+            "{} is no effect; the effect comes first: trunnion add EFFECT RUN.mcap --model FILE",
+            args.effect
+        );
+    }
     let Loaded { experiment, outcome } = load::trusted_runs(&args.runs)?;
     let model = Model::load_or_base(&args.model, &experiment.machine().name)?;
     let mut step = experiment.fit(&model)?.add_as(&args.effect, &args.formula.text())?.dated(&today()?)?;

@@ -71,7 +71,7 @@ impl Options {
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum IdentifyError {
     /// The model names an effect this machine cannot have.
-    #[error("the model cannot be placed on this machine")]
+    #[error(transparent)]
     UnknownEffect(#[from] UnknownEffect),
     /// The runs cannot show an effect of the model.
     #[error(

@@ -22,13 +22,15 @@ pub(super) fn moves(table: &Table<'_>, rotary: bool) -> Option<Moves> {
     }
     let (travel_key, scale): (&str, fn(f64) -> f64) =
         if rotary { ("travel_deg", convert::rad_from_deg) } else { ("travel_mm", |mm| mm) };
-    let travel = table.optional_numbers(travel_key);
+    let allowed = "[lowest, highest]";
+    let travel = table.require(travel_key, allowed).and_then(|()| table.optional_numbers(travel_key));
     let travel = match travel.as_deref() {
         Some(&[low, high]) if low < high => Some((scale(low), scale(high))),
-        _ => {
-            table.problem(travel_key, "is not a range", "[lowest, highest]", "");
+        Some(_) => {
+            table.problem(travel_key, "is not a range", allowed, "");
             None
         }
+        None => None,
     };
     let feed_limit = if rotary {
         table.optional_number("feed_limit_deg_per_min", 0.0..=1e6).map(|f| convert::rad_from_deg(f) / 60.0)

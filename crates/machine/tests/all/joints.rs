@@ -133,3 +133,15 @@ fn counts_are_whole() {
         assert!(problems(&text).contains(&format!("{key} = 12.5")), "{}", problems(&text));
     }
 }
+
+#[test]
+fn travel_that_is_missing_is_said_to_be_missing() {
+    let travel = "travel_deg = [-360, 360]\n";
+    let missing = problems(&ROBOT.replacen(travel, "", 1));
+    assert!(missing.contains("travel_deg is missing in [axis.j1]"), "{missing}");
+    assert!(!missing.contains("is not a range"), "{missing}");
+    let turned = problems(&ROBOT.replacen(travel, "travel_deg = [360, -360]\n", 1));
+    assert!(turned.contains("axis.j1.travel_deg is not a range"), "{turned}");
+    let text = problems(&ROBOT.replacen(travel, "travel_deg = \"wide\"\n", 1));
+    assert_eq!(text.matches("travel_deg").count(), 1, "{text}");
+}

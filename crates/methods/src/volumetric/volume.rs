@@ -1,6 +1,6 @@
 //! A volume of axis positions and its grid.
 
-use trunnion_core::{AxisValues, Joint, convert};
+use trunnion_core::{AxisValues, Joint, convert, number};
 use trunnion_effects::Scene;
 use trunnion_machine::Machine;
 
@@ -162,7 +162,11 @@ impl Volume {
 /// `X=-200..200` or `C=30`, mm or degrees, as inside units.
 fn read(part: &str, machine: &Machine) -> Result<(Joint, (f64, f64)), VolumeError> {
     let no_range = || VolumeError::NoRange { part: part.into() };
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(no_range);
+    // With either minus sign: what is printed can be given.
+    let number = |text: &str| {
+        let text = text.trim().replace('−', "-");
+        text.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(no_range)
+    };
     let (name, range) = part.split_once('=').ok_or_else(no_range)?;
     let (low, high) = match range.split_once("..") {
         Some((low, high)) => (number(low)?, number(high)?),
@@ -178,10 +182,10 @@ fn read(part: &str, machine: &Machine) -> Result<(Joint, (f64, f64)), VolumeErro
 }
 
 fn spelt(letter: Joint, (low, high): (f64, f64)) -> String {
-    let round = |x: f64| (x * 1e3).round() / 1e3 + 0.0;
     let (unit, low, high) = match letter.is_rotary() {
-        true => ("°", round(convert::deg_from_rad(low)), round(convert::deg_from_rad(high))),
-        false => (" mm", round(low), round(high)),
+        true => ("°", convert::deg_from_rad(low), convert::deg_from_rad(high)),
+        false => (" mm", low, high),
     };
+    let [low, high] = [low, high].map(|x| number::trimmed(x, 3));
     if low == high { format!("{letter} {low}{unit}") } else { format!("{letter} {low}..{high}{unit}") }
 }

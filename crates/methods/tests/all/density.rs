@@ -48,3 +48,13 @@ fn a_wave_between_the_places_is_looked_for_or_stated() {
     assert!((range / AMPLITUDE_MM - 0.75f64.sqrt()).abs() < 1e-3, "{range}");
     assert!(((range + missed) / (2.0 * AMPLITUDE_MM) - 1.0).abs() < 0.01, "{range} and {missed}");
 }
+
+#[test]
+fn a_range_is_written_with_true_minus_signs_and_read_again() {
+    let experiment = Experiment::new(&[points_run("points-nothing-hidden")]).unwrap();
+    let words =
+        |text: &str| Volume::parse(text, 2, &experiment.scene).unwrap().words(&experiment.scene.machine);
+    let written = words("X=-30..-10.5,Y=0,Z=-0,B=-90..90");
+    assert_eq!(written, "X −30..−10.5 mm, Y 0 mm, Z 0 mm, B −90..90°, C 0°");
+    assert_eq!(words("X=−30..−10.5,Y=0,Z=0,B=−90..90"), written);
+}
