@@ -29,3 +29,4 @@ mod plausible_runs;
 mod prediction_bands;
 mod schemes;
 mod service;
+mod stalled_broker;

@@ -14,6 +14,7 @@ mod linuxcnc_process;
 mod mcap;
 mod mosquitto;
 mod mosquitto_choice;
+mod mosquitto_slow;
 mod opcua;
 mod opcua_results;
 mod shdr;

@@ -2,24 +2,28 @@
 
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, QoS};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
+use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 use tracing::level_filters::LevelFilter;
 use trunnion::results::{Condition, OF_THE_PRESENT, ServiceStatus};
 use trunnion_acquire::config::channels;
 use trunnion_core::{AxisValues, Secret};
 use trunnion_cycles::Cycle;
-use trunnion_hil_sim::devices::cell::CellConfig;
+use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
 use trunnion_hil_sim::devices::{SimulatedCell, cell, orthogonal_nest};
 use trunnion_hil_sim::motion::{Program, Step, Trajectory};
 use trunnion_machine::shipped;
+use trunnion_service::analysis::Analyst;
 use trunnion_service::board::Board;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
 use trunnion_service::cycles::Cycles;
-use trunnion_service::daemon::{Texts, serve};
+use trunnion_service::daemon::{Texts, serve_on};
+use trunnion_service::error::ServiceError;
 use trunnion_service::live::Plan;
 use trunnion_service::mqtt::{Broker, MqttConfig, MqttTls, run};
 use trunnion_tests::json_schema::{differences, schema_of_topic};
@@ -114,24 +118,23 @@ async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
     second.wait().expect("ended");
 }
 
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-#[ignore = "a peer test: tests/peers/run"]
-async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
-    let port = free_port();
-    let mut broker = broker(port);
-    let folder = tempfile::tempdir().expect("a folder");
+/// A service that publishes at `port`, with probes at a ball that stands `pressed` away from where they read zero.
+pub async fn standing_service(
+    port: u16,
+    folder: &Path,
+    pressed: [f64; 3],
+    board: Board,
+) -> (Cell, CancellationToken, JoinHandle<Result<(), ServiceError>>) {
     let steps = vec![Step::Dwell { duration_s: 600.0 }];
     let trajectory =
         Trajectory::compile(&Program { start: AxisValues::default(), steps }).expect("it stands");
-    // The first probe, on the nest's x side, is pressed to the end of its 2 mm.
-    let pressed = orthogonal_nest()[0].map(|part| 0.97 * part);
     let world =
         SimulatedCell { deflection_mm: Box::new(move |_| pressed), ..SimulatedCell::along(trajectory) };
-    let floor = CellConfig { can: None, controller: None, ..CellConfig::new(folder.path(), 0) };
+    let floor = CellConfig { can: None, controller: None, ..CellConfig::new(folder, 0) };
     let cell = cell::start(Arc::new(world), floor, tokio::time::Instant::now()).await.expect("it starts");
     let tables = format!("[cycle_start]\nby = \"motion\"\n[mqtt]\nhost = \"127.0.0.1\"\nport = {port}\n");
-    let text = three_probes(folder.path(), SILENCE_MS, &tables, "");
-    let config = Config::parse(&folder.path().join("trunnion.toml"), &text).expect("it is good");
+    let text = three_probes(folder, SILENCE_MS, &tables, "");
+    let config = Config::parse(&folder.join("trunnion.toml"), &text).expect("it is good");
     let cycle_text = include_str!("../../../config/cycles/demo-static.toml");
     let cycle = Cycle::parse("c.toml", cycle_text).expect("it is good");
     let machine = shipped::machine("table-bc").expect("it is shipped");
@@ -140,7 +143,19 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
     let (clock, cancel) = (Arc::new(SystemClock::start()), CancellationToken::new());
     let model = trunnion::Model::base("table-bc");
     let cycles = Cycles::one(plan, texts, model).expect("the devices can measure it");
-    let service = tokio::spawn(serve(config, cycles, clock, cancel.clone()));
+    let service = serve_on(config, cycles, clock, cancel.clone(), board, Analyst::Here);
+    (cell, cancel, tokio::spawn(service))
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+#[ignore = "a peer test: tests/peers/run"]
+async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
+    let port = free_port();
+    let mut broker = broker(port);
+    let folder = tempfile::tempdir().expect("a folder");
+    // The first probe, on the nest's x side, is pressed to the end of its 2 mm.
+    let pressed = orthogonal_nest()[0].map(|part| 0.97 * part);
+    let (cell, cancel, service) = standing_service(port, folder.path(), pressed, Board::default()).await;
     wait_for(port, "live", |t| {
         as_schemas_say(t);
         let ball = |live: &serde_json::Value| live["ball_offset_mm"]["x"].as_f64();
@@ -248,14 +263,14 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
 }
 
 /// Runs openssl in a folder.
-fn openssl(folder: &std::path::Path, words: &str) {
+fn openssl(folder: &Path, words: &str) {
     let made =
         Command::new("openssl").args(words.split(' ')).current_dir(folder).stderr(Stdio::null()).status();
     assert!(made.expect("openssl runs").success(), "openssl {words}");
 }
 
 /// A certificate for the broker on this computer, and one for us, signed by `ca.pem`.
-fn certificates(folder: &std::path::Path) {
+fn certificates(folder: &Path) {
     openssl(folder, "req -x509 -newkey rsa:2048 -nodes -keyout ca.key -out ca.pem -days 2 -subj /CN=plant");
     std::fs::write(folder.join("names"), "subjectAltName=IP:127.0.0.1").expect("written");
     for who in ["broker", "trunnion"] {

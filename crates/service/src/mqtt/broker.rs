@@ -1,6 +1,7 @@
 //! Where the broker is, who we are for it, and whether what is said is encrypted.
 
 use super::tls::MqttTls;
+use std::time::Duration;
 use trunnion_core::Secret;
 use trunnion_core::input::Table;
 
@@ -15,12 +16,17 @@ pub struct Broker {
     pub login: Option<(String, Option<Secret>)>,
     /// Encryption; none without.
     pub tls: Option<MqttTls>,
+    /// How often it is asked whether it is there; after two of them without an answer it is not.
+    pub keep_alive: Duration,
 }
+
+/// Twice this is how long a dead broker is not noticed: a dashboard that is 20 s old still shows the same cycle.
+const KEEP_ALIVE: Duration = Duration::from_secs(10);
 
 impl Broker {
     /// On this computer, for anybody, as a test broker is.
     pub fn local(port: u16) -> Self {
-        Self { host: "127.0.0.1".into(), port, login: None, tls: None }
+        Self { host: "127.0.0.1".into(), port, login: None, tls: None, keep_alive: KEEP_ALIVE }
     }
 
     /// Reads its keys of `[mqtt]`.
@@ -38,6 +44,6 @@ impl Broker {
             None => None,
             Some(tls) => Some(tls?),
         };
-        Some(Self { host: host?, port: port? as u16, login, tls })
+        Some(Self { host: host?, port: port? as u16, login, tls, keep_alive: KEEP_ALIVE })
     }
 }

@@ -1,13 +1,14 @@
 //! A connection to the broker that is kept: back-off, what is logged of a failure, and the last words.
 //!
-//! One task polls the connection. Publishing never waits for the broker: what does not fit into the queue is sent later, as its value is
-//! then.
+//! One task polls the connection. Publishing never waits for the broker: what it has no room for is sent later, as its value is then. A
+//! connection counts once the broker has answered what we say: one that lets us in and then reads nothing has none of our values.
 
 use super::broker::Broker;
 use super::tls;
 use crate::board::Board;
 use rumqttc::{
-    AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet, Publish,
+    AsyncClient, ConnectReturnCode, ConnectionError, Event, EventLoop, LastWill, MqttOptions, Packet,
+    Publish, StateError,
 };
 use std::time::Duration;
 use tokio_util::sync::CancellationToken;
@@ -36,9 +37,11 @@ pub(super) trait Speaker {
     fn connected(&mut self, client: &AsyncClient);
     /// Takes what the broker sends.
     fn received(&mut self, message: &Publish);
-    /// Queues what the broker does not have; what does not fit waits for the next change or connection.
+    /// Takes an answer of the broker to what we said: whether it shows that the broker reads us.
+    fn answered(&mut self, answer: &Packet) -> bool;
+    /// Queues what the broker does not have; what does not fit waits for the next answer, change or connection.
     fn publish(&mut self, client: &AsyncClient);
-    /// Queues the last words; how many of them the broker acknowledges, `None` when they do not fit.
+    /// Queues the last words; how many acknowledgements are then to come, `None` when they do not fit.
     fn farewell(&mut self, client: &AsyncClient) -> Option<usize>;
 }
 
@@ -49,7 +52,7 @@ pub(super) async fn keep<S: Speaker>(
     board: &Board,
     cancel: &CancellationToken,
 ) {
-    let mut connection = Connection { part: S::PART, is_up: false, last: None };
+    let mut connection = Connection { part: S::PART, stage: Stage::Down, last: None };
     let mut wait = BACK_OFF.0;
     board.set_connection(S::PART, "not reached yet");
     let (client, mut events) = loop {
@@ -69,8 +72,7 @@ pub(super) async fn keep<S: Speaker>(
             () = cancel.cancelled() => break,
             event = events.poll() => match event {
                 Ok(Event::Incoming(Packet::ConnAck(_))) => {
-                    wait = BACK_OFF.0;
-                    connection.succeeded(broker, board);
+                    connection.stage = Stage::LetIn;
                     speaker.connected(&client);
                     speaker.publish(&client);
                 }
@@ -79,14 +81,21 @@ pub(super) async fn keep<S: Speaker>(
                     speaker.publish(&client);
                 }
                 // An acknowledgement frees the queue for what did not fit.
-                Ok(Event::Incoming(Packet::PubAck(_))) => speaker.publish(&client),
+                Ok(Event::Incoming(answer @ (Packet::PubAck(_) | Packet::SubAck(_)))) => {
+                    if speaker.answered(&answer) && connection.stage != Stage::Answers {
+                        wait = BACK_OFF.0;
+                        connection.succeeded(broker, board);
+                    }
+                    speaker.publish(&client);
+                }
                 Ok(_) => {}
                 Err(error) => {
-                    if connection.is_up || may_have_sent_connect(&error) {
+                    if connection.stage != Stage::Down || may_have_sent_connect(&error) {
                         events.mqtt_options.set_last_will(speaker.last_will());
                     }
                     // The file of a password or a certificate may have been mended.
-                    let why = log_in(broker, &mut events.mqtt_options).err().unwrap_or_else(|| cause(&error));
+                    let mended = log_in(broker, &mut events.mqtt_options);
+                    let why = mended.err().unwrap_or_else(|| cause(&error, connection.stage));
                     connection.failed(broker, board, &why);
                     tokio::select! {
                         () = cancel.cancelled() => break,
@@ -95,20 +104,31 @@ pub(super) async fn keep<S: Speaker>(
                 }
             },
             // The board is ours: its changes do not end.
-            _ = changes.changed(), if connection.is_up => speaker.publish(&client),
+            _ = changes.changed(), if connection.stage != Stage::Down => speaker.publish(&client),
         }
     }
-    if connection.is_up
+    if connection.stage != Stage::Down
         && tokio::time::timeout(FAREWELL, farewell(&client, &mut events, &mut speaker)).await.is_err()
     {
         warn!("the MQTT broker did not take the farewell in time; its last will says offline");
     }
 }
 
-/// Whether it is up, and what was logged of a broker that cannot be reached: each cause once.
+/// How far we are with the broker.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// No connection.
+    Down,
+    /// It let us in (CONNACK).
+    LetIn,
+    /// It answered what we said.
+    Answers,
+}
+
+/// How far it is, and what was logged of a broker that cannot be reached: each cause once.
 struct Connection {
     part: &'static str,
-    is_up: bool,
+    stage: Stage,
     last: Option<String>,
 }
 
@@ -116,12 +136,12 @@ impl Connection {
     fn succeeded(&mut self, broker: &Broker, board: &Board) {
         info!(host = broker.host, port = broker.port, part = self.part, "connected to the MQTT broker");
         board.set_connection(self.part, "");
-        (self.is_up, self.last) = (true, None);
+        (self.stage, self.last) = (Stage::Answers, None);
     }
 
     fn failed(&mut self, broker: &Broker, board: &Board, why: &str) {
         board.set_connection(self.part, why);
-        let was_up = std::mem::replace(&mut self.is_up, false);
+        let was_up = std::mem::replace(&mut self.stage, Stage::Down) == Stage::Answers;
         if self.last.as_deref() == Some(why) {
             return;
         }
@@ -133,13 +153,24 @@ impl Connection {
 }
 
 /// The failure in words, with what to do where a person can do something.
-fn cause(error: &ConnectionError) -> String {
+fn cause(error: &ConnectionError, stage: Stage) -> String {
     match error {
         ConnectionError::Tls(error) => tls::cause(error),
         ConnectionError::ConnectionRefused(
             ConnectReturnCode::BadUserNamePassword | ConnectReturnCode::NotAuthorized,
         ) => "it does not let this user in; check `user` and `password_file` of [mqtt], and the rights of the user".into(),
-        ConnectionError::Io(error) => error.to_string(),
+        ConnectionError::MqttState(StateError::AwaitPingResp) | ConnectionError::FlushTimeout => {
+            let what = match stage {
+                Stage::Answers => "it answers no more",
+                Stage::LetIn | Stage::Down => "it takes the connection, but answers nothing after that",
+            };
+            format!("{what}; look at the broker's log, the load of its computer, and the network")
+        }
+        ConnectionError::NetworkTimeout => {
+            "it does not answer; check `host` and `port` of [mqtt], the network, and the broker's log".into()
+        }
+        ConnectionError::MqttState(StateError::ConnectionAborted) => "it closed the connection".into(),
+        ConnectionError::MqttState(StateError::Io(error)) | ConnectionError::Io(error) => error.to_string(),
         other => other.to_string(),
     }
 }
@@ -151,7 +182,7 @@ fn may_have_sent_connect(error: &ConnectionError) -> bool {
 
 fn begin(broker: &Broker, speaker: &mut impl Speaker) -> Result<(AsyncClient, EventLoop), String> {
     let mut options = MqttOptions::new(speaker.client_id(), &broker.host, broker.port);
-    options.set_keep_alive(Duration::from_secs(10));
+    options.set_keep_alive(broker.keep_alive);
     options.set_max_packet_size(MOST_BYTES, MOST_BYTES);
     log_in(broker, &mut options)?;
     options.set_last_will(speaker.last_will());

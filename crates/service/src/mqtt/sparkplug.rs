@@ -15,7 +15,7 @@ pub use wire::{Payload, WireMetric, WireValue};
 use super::connection::Speaker;
 use crate::board::Board;
 use crate::clock::SystemClock;
-use rumqttc::{AsyncClient, LastWill, Publish, QoS};
+use rumqttc::{AsyncClient, LastWill, Packet, Publish, QoS};
 use tracing::{debug, info};
 use trunnion_core::Clock;
 use trunnion_core::input::Table;
@@ -84,6 +84,11 @@ impl Speaker for EdgeNode {
             info!("a host asks for the birth of this Sparkplug node again");
             self.session.bear_again();
         }
+    }
+
+    /// Births and data go without acknowledgement [Sparkplug 3.0 §6.4]: what it answers is the subscription.
+    fn answered(&mut self, answer: &Packet) -> bool {
+        matches!(answer, Packet::SubAck(_))
     }
 
     fn publish(&mut self, client: &AsyncClient) {
