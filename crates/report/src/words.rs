@@ -83,7 +83,7 @@ pub fn verdict(input: &Comparison) -> Vec<String> {
         }
     }
     let lead = if sentences.is_empty() { "" } else { "In addition, " };
-    if !is_doubted(input) {
+    if is_judged(input) {
         sentences.extend(location_sentence(&input.identification.parameters, lead));
     }
     sentences.extend(doubts(&input.identification));
@@ -99,9 +99,10 @@ pub(crate) fn is_only_incomplete(input: &Comparison) -> bool {
     !asked.is_empty() && asked.iter().all(|one| one.question == Question::Whole)
 }
 
-/// The runs cannot be what they say they are, so that no number of theirs is one of the machine.
-fn is_doubted(input: &Comparison) -> bool {
-    input.identification.plausibility.iter().any(|one| one.question == Question::Plausible)
+/// False where the runs are not whole or cannot be what they say they are: no number of theirs is one of the machine.
+fn is_judged(input: &Comparison) -> bool {
+    let refused = input.diagnosis.as_ref().is_some_and(|d| d.verdict == Verdict::NotJudged);
+    !refused && input.identification.plausibility.is_empty()
 }
 
 /// True where nothing is wrong with the runs and the diagnosis itself gave no answer.

@@ -3,8 +3,8 @@
 use crate::filed::report;
 use trunnion_report::{Language, compare_text, diagnosis_text, report_html, story};
 use trunnion_results::{
-    Candidate, Comparison, ConfoundedErrors, Correctable, Diagnosis, FormulaProposal, LeftOutEffect,
-    Parameter, Plausibility, Question, Residual, Together, Verdict,
+    Candidate, Comparison, ConfoundedErrors, Correctable, Diagnosis, FormulaProposal, Identification,
+    LeftOutEffect, Parameter, Plausibility, Question, Residual, Together, Verdict,
 };
 
 const ENTER: &str = "Enter the errors of the axes into the control";
@@ -266,5 +266,26 @@ fn nothing_found_explains_no_share_of_anything() {
     let text = diagnosis_text(&input);
     for said in story.sure.iter().chain(story.facts.iter().map(|fact| &fact.value)).chain([&text]) {
         assert!(!said.contains("0 %"), "{said}");
+    }
+}
+
+#[test]
+fn a_run_that_is_not_judged_states_no_location_error() {
+    let place = Parameter { name: "EX0C".into(), value: Some(13.7), ..size("location-errors", 0.2) };
+    let said = |question: Option<Question>, judged: Verdict| {
+        let plausibility = question.map(|question| Plausibility { question, ..Plausibility::default() });
+        let identification = Identification {
+            parameters: vec![place.clone()],
+            plausibility: plausibility.into_iter().collect(),
+            ..Identification::default()
+        };
+        let diagnosis = Some(verdict(judged));
+        story(&Comparison { identification, diagnosis, ..Comparison::default() }).wrong.join(" ")
+    };
+    let stated = said(None, Verdict::NoiseFloor);
+    assert!(stated.contains("axes have location errors") && stated.contains("13.7"), "{stated}");
+    for question in [Some(Question::Whole), Some(Question::Plausible), None] {
+        let silent = said(question, Verdict::NotJudged);
+        assert!(!silent.contains("location errors"), "{question:?}: {silent}");
     }
 }
