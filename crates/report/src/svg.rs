@@ -23,5 +23,5 @@ pub use mark::Mark;
 pub use path_chart::path_chart;
 pub use polar::{Trace, polar};
 pub use ranked::{Ranked, ranked};
-pub use scale::nice_above;
+pub use scale::{end_above, nice_above};
 pub use xy_chart::{Series, XyChart, xy_chart};

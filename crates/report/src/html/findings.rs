@@ -4,7 +4,7 @@ use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row, verdict};
 use crate::markup::{element, escape, table};
 use crate::number::unit_on_screen;
 use crate::svg::{
-    Displaced, Mark, Ranked, Series, Trace, XyChart, displaced, nice_above, path_chart, polar, ranked,
+    Displaced, Mark, Ranked, Series, Trace, XyChart, displaced, end_above, path_chart, polar, ranked,
     xy_chart,
 };
 use trunnion_core::convert::{mm_from_um, rad_from_deg};
@@ -108,13 +108,7 @@ fn points(curve: &Curve) -> Vec<(f64, f64)> {
 /// A round number above everything drawn.
 fn limit<'a>(curves: impl Iterator<Item = &'a Vec<(f64, f64)>>) -> f64 {
     let all = curves.flatten().map(|p| p.1.abs()).filter(|v| v.is_finite());
-    let largest = all.fold(0.0, f64::max);
-    let nice = nice_above(largest);
-    [0.6, 0.8]
-        .map(|share| share * nice)
-        .into_iter()
-        .find(|limit| *limit >= largest && largest > 0.0)
-        .unwrap_or(nice)
+    end_above(all.fold(0.0, f64::max))
 }
 
 /// Name and unit.

@@ -2,7 +2,7 @@
 
 use crate::markup::escape;
 use crate::number::degrees;
-use crate::svg::{HeatMap, heat_map, legend, nice_above};
+use crate::svg::{HeatMap, end_above, heat_map, legend};
 use crate::views::{
     Axes, Axis, at_station, component_names, components, direction, direction_name, directions, mean,
     residuals_um, stations,
@@ -193,5 +193,5 @@ fn way(residuals: &Residuals, point: &ResidualPoint, axis: &str) -> i8 {
 /// A round number above every value.
 pub fn limit_um<'a>(maps: impl IntoIterator<Item = &'a Map>) -> f64 {
     let largest = maps.into_iter().flat_map(|m| m.values_um.iter().flatten()).filter(|v| v.is_finite());
-    nice_above(largest.fold(0.0, |limit: f64, v| limit.max(v.abs())))
+    end_above(largest.fold(0.0, |limit: f64, v| limit.max(v.abs())))
 }

@@ -5,7 +5,7 @@
 //! A ball on the axis has no radial direction: X and Y of the table plane are drawn instead (S0).
 
 use crate::number::degrees;
-use crate::svg::{Trace, nice_above, polar};
+use crate::svg::{Trace, end_above, polar};
 use crate::views::{Axes, at_station, mean, stations};
 use nalgebra::Vector3;
 use trunnion_core::convert::{rad_from_deg, um_from_mm, urad_from_rad};
@@ -76,7 +76,7 @@ fn joined(place: &str, setup: &str) -> String {
 
 fn plots(of: &[(String, Vec<Trace>)], unit: &str) -> String {
     let values = of.iter().flat_map(|(_, traces)| traces).flat_map(|t| t.points.iter().map(|p| p.1.abs()));
-    let limit = nice_above(values.filter(|v| v.is_finite()).fold(0.0, f64::max));
+    let limit = end_above(values.filter(|v| v.is_finite()).fold(0.0, f64::max));
     let drawn = of.iter().map(|(title, traces)| polar(title, traces, limit, unit));
     format!("<div class=\"small\">{}</div>\n", drawn.collect::<String>())
 }

@@ -2,7 +2,7 @@
 
 use crate::markup::element;
 use crate::number::{plain, um};
-use crate::svg::{Mark, Series, XyChart, nice_above, xy_chart};
+use crate::svg::{Mark, Series, XyChart, end_above, xy_chart};
 use crate::words::{not_judged, wave};
 use trunnion_results::AxisSpectrum;
 
@@ -39,7 +39,7 @@ fn chart(spectrum: &AxisSpectrum, first: usize) -> String {
         .zip(&spectrum.waves)
         .map(|(number, wave)| (at(wave.period.value), number.to_string()))
         .collect();
-    let y_limit = nice_above(points.iter().fold(0.0, |limit: f64, point| limit.max(point.1)));
+    let y_limit = end_above(points.iter().fold(0.0, |limit: f64, point| limit.max(point.1)));
     let x_name = if per_turn { "cycles per turn" } else { "waves per mm" };
     let title = format!(
         "Residual along {}, {} in all, up to {} {x_name}",

@@ -2,7 +2,7 @@
 
 use crate::markup::escape;
 use crate::number::trimmed;
-use crate::svg::{Mark, Series, XyChart, nice_above, xy_chart};
+use crate::svg::{Mark, Series, XyChart, end_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, direction, residuals_um, thinned, time_range_s};
 use trunnion_core::convert::s_from_min;
 use trunnion_results::{ResidualPoint, Residuals};
@@ -75,7 +75,7 @@ fn charts(
         of_components.push((component, series));
     }
     let all = of_components.iter().flat_map(|(_, s)| s).flat_map(|s| &s.points);
-    let y_limit = nice_above(all.fold(0.0, |limit: f64, p| limit.max(p.1.abs())));
+    let y_limit = end_above(all.fold(0.0, |limit: f64, p| limit.max(p.1.abs())));
     let mut html = String::new();
     for (component, series) in &of_components {
         let title = format!("Component {component} over {over}; scale ±{} µm", trimmed(y_limit, 6));

@@ -4,7 +4,7 @@ use super::maps::{self, Grid, Map};
 use super::places as place_list;
 use crate::markup::{element, escape, table};
 use crate::number::{justified, um_or_dash, unit_on_screen, value_and_u};
-use crate::svg::{Bar, Mark, Series, XyChart, bars, legend, nice_above, xy_chart};
+use crate::svg::{Bar, Mark, Series, XyChart, bars, legend, end_above, xy_chart};
 use crate::views::{Axes, component_name, component_names, residuals_um, thinned};
 use crate::words::{NO_PLACE, about, bars_legend, effect_name, trial_verdict, units};
 use std::collections::HashSet;
@@ -189,7 +189,7 @@ fn charts(trial: &Trial) -> String {
     let components: Vec<_> =
         component_names(states[0]).into_iter().map(|name| (name, of_component(name))).collect();
     let all = components.iter().flat_map(|(_, series)| series).flat_map(|s| &s.points);
-    let y_limit = nice_above(all.fold(0.0, |limit: f64, p| limit.max(p.1.abs())));
+    let y_limit = end_above(all.fold(0.0, |limit: f64, p| limit.max(p.1.abs())));
     let chart = |(component, series): &(&str, [Series; 2])| {
         let title = format!("Component {component}, before and after");
         xy_chart(&XyChart {

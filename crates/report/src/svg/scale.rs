@@ -72,17 +72,28 @@ impl Plane {
     }
 }
 
-/// The smallest of …, 1, 2, 5, 10, … that is not below `value`; 1 for what is not positive.
+/// Steps that can be counted by a reader.
+const STEPS: &[f64] = &[1.0, 2.0, 5.0];
+/// Ends of a scale, at most half as large again as the one before: a map whose largest value is just above a step is not pale.
+const ENDS: &[f64] = &[1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
+
+/// A step between ticks, or a magnification: the smallest of …, 1, 2, 5, 10, … that is not below `value`; 1 for what is not positive.
 pub fn nice_above(value: f64) -> f64 {
+    above(value, STEPS)
+}
+
+/// The end of a scale that holds `value`: a round number, closer to it than a step is; 1 for what is not positive.
+pub fn end_above(value: f64) -> f64 {
+    above(value, ENDS)
+}
+
+fn above(value: f64, of_decade: &[f64]) -> f64 {
     if !(value.is_finite() && value > 0.0) {
         return 1.0;
     }
     let decade = 10_f64.powf(value.log10().floor());
-    [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .map(|m| m * decade)
-        .find(|n| *n >= value * (1.0 - 1e-9))
-        .unwrap_or(10.0 * decade)
+    let round = of_decade.iter().map(|m| m * decade).find(|n| *n >= value * (1.0 - 1e-9));
+    round.unwrap_or(10.0 * decade)
 }
 
 /// Least and largest finite value; `None` when there is none.
@@ -101,6 +112,15 @@ mod tests {
         let (ticks, step) = Scale::new((-3.2, 7.9), (0.0, 100.0)).ticks(5);
         assert_eq!((ticks.as_slice(), step), ([0.0, 5.0].as_slice(), 5.0));
         assert_eq!(Scale::new((0.0, 90.0), (0.0, 1.0)).ticks(5).0.len(), 5);
+    }
+
+    #[test]
+    fn a_scale_ends_close_above_its_largest_value() {
+        let ends = [0.0, 0.21, 1.0, 1.2, 20.4, 51.0, 83.0, 10.0].map(end_above);
+        assert_eq!(ends, [1.0, 0.25, 1.0, 1.5, 25.0, 60.0, 100.0, 10.0]);
+        for value in (1..1000).map(f64::from) {
+            assert!((value..=1.5 * value).contains(&end_above(value)), "{value}");
+        }
     }
 
     #[test]
