@@ -56,6 +56,49 @@ fn a_report_says_which_recording_it_is_of_and_whether_the_tolerance_is_kept() {
 }
 
 #[test]
+fn a_report_of_an_added_effect_shows_what_was_found_before_it_was_added() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = import("points-gravity", folder.path());
+    let file = |name: &str| folder.path().join(name).display().to_string();
+    let (model, page) = (file("run.model.toml"), file("report.html"));
+    let before = json(&["compare", &run, "--json"]);
+    trunnion(&["add", "gravity-sag:B", &run, "--model", &model, "--by", "Ada"]);
+    trunnion(&["report", &run, "--model", &model, "-o", &page]);
+    let page = std::fs::read_to_string(page).unwrap();
+    let (_, found) = page.split_once("<h2>Found and added: ").expect("what was found has its section");
+    let (found, after) = found.split_once("</section>").unwrap();
+    for part in [
+        "(gravity-sag:B)</h2>",
+        "Where the model failed before it was added</h3>\n<ol>",
+        "Likely cause:",
+        "It is significant: more than a million to one",
+        "Added by Ada on ",
+        "With it the residual falls from 0.94 µm to 0.34 µm rms.",
+        "Residual before and after gravity-sag:B",
+        "— before",
+        "— after",
+    ] {
+        assert!(found.contains(part), "{part}: {found}");
+    }
+    assert!(
+        after.find("Ladder: what was added so far") < after.find("Where the model fails most"),
+        "the fall follows"
+    );
+    let best = &before["diagnosis"]["candidates"][0];
+    let kept = std::fs::read_to_string(&model).unwrap();
+    let separates = best["separate_by"].as_str().unwrap();
+    assert!(separates.is_empty() || kept.contains(separates) && found.contains(separates), "{kept}");
+
+    // A model file of before says nothing of evidence and rivals; the maps are those of the runs.
+    let older: String =
+        kept.lines().filter(|line| !line.starts_with("evidence")).map(|line| format!("{line}\n")).collect();
+    std::fs::write(&model, older).unwrap();
+    trunnion(&["report", &run, "--model", &model, "-o", &file("older.html")]);
+    let page = std::fs::read_to_string(file("older.html")).unwrap();
+    assert!(page.contains("Residual before and after gravity-sag:B") && !page.contains("It is significant"));
+}
+
+#[test]
 fn a_report_says_what_the_service_knows_to_be_missing_and_the_recording_does_not_say() {
     let folder = tempfile::tempdir().unwrap();
     let run = import("points-nothing-hidden", folder.path());

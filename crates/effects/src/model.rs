@@ -18,6 +18,9 @@
 //! error_before_um = 4.1
 //! error_after_um = 1.2
 //! noise_um = 0.9
+//! evidence = 12.4                                   # as a diagnosis proposed it, with what was confounded with it then
+//! confused_with = ["backlash:B"]
+//! separate_by = "Approach each pose from both sides."
 //! [effect.ladder.moved]                             # what it did to the other parameters, screen units
 //! EX0C = { before = -3.2, after = -1.1, u = 0.26, unit = "um" }
 //! [effect.values]                                   # of the whole model, see `FittedValues`
@@ -277,6 +280,9 @@ fn read_ladder(table: &Table<'_>) -> Option<LadderRow> {
         .into_iter()
         .map(|(_, moved)| moved)
         .collect(),
+        evidence: table.optional_number("evidence", ANY),
+        confused_with: table.optional_strings("confused_with").unwrap_or_default(),
+        separate_by: table.optional_string("separate_by").unwrap_or_default(),
     };
     table.no_other_keys();
     Some(row)
@@ -331,6 +337,7 @@ fn written_ladder(row: &LadderRow) -> Written {
         ("holdout_before_um", row.holdout_before_um),
         ("holdout_after_um", row.holdout_after_um),
         ("noise_um", row.noise_um),
+        ("evidence", row.evidence),
     ];
     for (key, number) in numbers {
         if let Some(number) = number {
@@ -339,6 +346,12 @@ fn written_ladder(row: &LadderRow) -> Written {
     }
     if let Some(unit) = &row.holdout_unit {
         table["holdout_unit"] = value(unit);
+    }
+    if !row.confused_with.is_empty() {
+        table["confused_with"] = value(row.confused_with.iter().map(String::as_str).collect::<Array>());
+    }
+    if !row.separate_by.is_empty() {
+        table["separate_by"] = value(&row.separate_by);
     }
     if !row.moved.is_empty() {
         let mut moved = Written::new();

@@ -74,6 +74,15 @@ pub struct LadderRow {
     pub noise_um: Option<f64>,
     /// Parameters of the effects before it that moved when it came in, most moved first.
     pub moved: Vec<Moved>,
+    /// log10 of the Bayes factor against noise only with which a diagnosis proposed it then; null where none did, and in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub evidence: Option<f64>,
+    /// Ids of the effects that the data did not distinguish from it then.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub confused_with: Vec<String>,
+    /// The measurement that separates them; empty where it was confused with none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub separate_by: String,
 }
 
 /// A parameter that moved when an effect came in: it had absorbed a part of what was missing.

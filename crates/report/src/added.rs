@@ -1,8 +1,9 @@
 //! What was added to the model, said as long as it is in it: how far the error fell, how large it is, its likely cause, who added it.
 
+use crate::certainty::confounded;
 use crate::number::{MISSING, value_and_u};
-use trunnion_results::sentences::{about, effect_name, goes};
-use trunnion_results::{Comparison, Identification, Ladder, LadderRow, LeftOut, Parameter};
+use trunnion_results::sentences::{about, effect_name, evidence_words, goes};
+use trunnion_results::{Comparison, Identification, Ladder, LadderRow, LeftOut, Parameter, Trial};
 
 /// Values closer to zero than so many standard uncertainties are no size, as of what moved in the ladder.
 const CLEAR: f64 = 2.0;
@@ -19,7 +20,11 @@ pub(crate) fn sure(input: &Comparison) -> Vec<String> {
 
 /// What each effect is that was added, and its likely cause.
 pub(crate) fn causes(ladder: &Ladder) -> Vec<String> {
-    let said = |(effect, _): (&str, &LadderRow)| match about(effect) {
+    ladder.added().flat_map(|(effect, _)| cause(effect)).collect()
+}
+
+fn cause(effect: &str) -> Vec<String> {
+    match about(effect) {
         Some(about) => {
             vec![
                 format!("{}: {}", effect_name(effect), about.explanation),
@@ -28,8 +33,33 @@ pub(crate) fn causes(ladder: &Ladder) -> Vec<String> {
         }
         // An expression says itself what it is.
         None => vec![effect_name(effect)],
-    };
-    ladder.added().flat_map(said).collect()
+    }
+}
+
+/// What was found before an effect was added: the effect and its cause, how sure that was, its rivals, who added it, and the fall.
+pub(crate) fn as_found(trial: &Trial, row: &LadderRow) -> Vec<String> {
+    let effect = trial.effect.as_str();
+    let mut said = cause(effect);
+    if !trial.expression.is_empty() {
+        said.push(format!("The expression: {}", trial.expression));
+    }
+    said.extend(row.evidence.map(|evidence| format!("{}.", evidence_words(evidence))));
+    said.extend(match row.confused_with.is_empty() {
+        true => row.evidence.map(|_| "No other effect explained these data as well.".to_owned()),
+        false => confounded(effect, &row.confused_with),
+    });
+    if !row.separate_by.is_empty() {
+        said.push(format!("What separates them: {}", row.separate_by));
+    }
+    said.extend(match (&row.by, row.date.as_str()) {
+        (_, "") => None,
+        (Some(by), date) => Some(format!("Added by {by} on {date}.")),
+        (None, date) => Some(format!("Added on {date}.")),
+    });
+    let [before, after] = [trial.rms_um.before, trial.rms_um.after].map(|um| um.unwrap_or(f64::NAN));
+    said.push(format!("With it the residual {} rms.", goes(before, after)));
+    said.extend(held_out(row));
+    said
 }
 
 /// Who added it, and when; a dash where nobody gave a name.

@@ -1,5 +1,6 @@
 //! The compare report as one self-contained HTML page, from the verdict down to the tables.
 
+mod added;
 mod candidates;
 mod findings;
 mod ladder;
@@ -16,6 +17,7 @@ mod timing;
 mod trial;
 mod volumetric;
 
+use crate::added::causes;
 use crate::markup::{element, escape};
 use crate::number::um;
 use trunnion_results::sentences::{complete, samples};
@@ -41,10 +43,11 @@ pub fn compare_html(input: &Comparison, label: &str) -> String {
 /// The charts and tables of the compare report, each with its name, in order; empty where there is nothing to show.
 pub(crate) fn compare_sections(input: &Comparison) -> Vec<(&'static str, String)> {
     vec![
+        ("added", added::section(input)),
+        ("ladder", ladder::section(&input.ladder)),
         ("places", places::section(input)),
         ("spectrum", spectrum::section(&input.spectra)),
         ("candidates", candidates::section(input)),
-        ("ladder", ladder::section(&input.ladder)),
         ("maps", maps::section(&input.residuals)),
         ("sweeps", sweeps::section(&input.residuals)),
         ("polars", polars::section(&input.residuals)),
@@ -58,7 +61,11 @@ pub(crate) fn compare_sections(input: &Comparison) -> Vec<(&'static str, String)
 /// One page on what one effect would do: the residual before and after, on one colour scale.
 pub fn trial_html(trial: &Trial, label: &str) -> String {
     let title = format!("Trunnion: {} on trial on {}", trial.effect, trial.identification.machine);
-    let sections = [trial::headline(trial, label), trial::places(trial), trial::all_maps(trial)];
+    let spectra = match spectrum::before_and_after(&trial.spectra) {
+        charts if charts.is_empty() => charts,
+        charts => format!("<section>{charts}</section>\n"),
+    };
+    let sections = [trial::headline(trial, label), trial::places(trial), trial::all_maps(trial), spectra];
     page(&title, &(sections.concat() + &trial::tables(trial)))
 }
 
@@ -80,7 +87,9 @@ pub fn volumetric_html(answer: &Volumetric, map: &ErrorMap, volume: &str, label:
 pub fn ladder_html(machine: &str, rungs: &Ladder) -> String {
     let section = match rungs.added().next() {
         None => element("p", "No effect was added to this model yet."),
-        Some(_) => ladder::section(rungs),
+        Some(_) => {
+            causes(rungs).iter().map(|text| element("p", text)).collect::<String>() + &ladder::section(rungs)
+        }
     };
     let head = element("h1", &ladder_verdict(machine, rungs));
     page(&format!("Trunnion ladder: {machine}"), &format!("{head}\n{section}"))

@@ -35,6 +35,9 @@ pub struct Comparison {
     pub diagnosis: Option<Diagnosis>,
     /// The effects of the model, with what adding each did.
     pub ladder: Ladder,
+    /// The fits of these runs without and with each effect that was added, in order: what was found then.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub added: Vec<Trial>,
     /// The values of the model file against these runs, when the machine was held at them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frozen: Option<Prediction>,
@@ -92,6 +95,9 @@ pub struct Trial {
     pub identification: Identification,
     /// Measured and predicted readings.
     pub residuals: ResidualsBeforeAfter,
+    /// What each fit leaves along each axis that moved by itself, by period.
+    #[serde(default)]
+    pub spectra: SpectraBeforeAfter,
     /// The page that was written.
     pub html: Option<String>,
 }
@@ -132,6 +138,15 @@ pub struct ResidualsBeforeAfter {
     pub after: Residuals,
 }
 
+/// Spectra of the residual without and with the effect.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SpectraBeforeAfter {
+    /// Without it.
+    pub before: Vec<AxisSpectrum>,
+    /// With it.
+    pub after: Vec<AxisSpectrum>,
+}
+
 /// A diagnosis in short.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Then {
@@ -162,7 +177,7 @@ impl Comparison {
 
 impl Trial {
     /// The fits without and with `entry`, which carries the ladder row of all that was added, `added` entry by entry; `then` is
-    /// the diagnosis of the model with it.
+    /// the diagnosis of the model with it. Spectra are the caller's to fill in.
     pub fn new(
         experiment: &Experiment,
         entry: &ModelEffect,
@@ -197,6 +212,7 @@ impl Trial {
                 before: residuals(experiment, before),
                 after: residuals(experiment, after),
             },
+            spectra: SpectraBeforeAfter::default(),
             identification: with.judged(then.and_then(Diagnosis::model_adequate)),
             html: None,
         }

@@ -60,7 +60,7 @@ pub use chain::{Chain, ChainJoint};
 pub use change::ChangedParameter;
 pub use comparison::{
     AxisRange, BeforeAfter, Comparison, ComparisonFormat, Place, PlacesBeforeAfter, Region,
-    ResidualsBeforeAfter, Then, Trial, TrialFormat,
+    ResidualsBeforeAfter, SpectraBeforeAfter, Then, Trial, TrialFormat,
 };
 pub use complete::{Complete, Excluded, ExcludedSamples, Missing, Samples};
 pub use conformity::{Conformity, Decision, ExcludedPoints, Judged};

@@ -136,6 +136,7 @@ fn ladder_row(
         holdout_unit: after.holdout.map(|holdout| holdout.left_out.name().into()),
         noise_um: after.repeatability.map(|noise| convert::um_from_mm(noise.sigma_mm)),
         moved: moved(before, after),
+        ..LadderRow::default()
     }
 }
 

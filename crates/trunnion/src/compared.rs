@@ -1,8 +1,9 @@
 //! Where a model fails, and what one more effect would do: values, text and page.
 
 use crate::analysis::FormulaText;
-use crate::{Diagnosed, Error, Fit, Step, page};
+use crate::{Diagnosed, Error, Fit, Step, added, page};
 use trunnion_core::chain;
+use trunnion_effects::ModelEffect;
 use trunnion_effects::catalogue::BASE;
 use trunnion_engine::spectrum::spectra;
 use trunnion_results as results;
@@ -40,19 +41,23 @@ impl Diagnosed {
     /// Where the model fails. A side note that fails is left out with its reason and costs no report.
     pub fn compare(&self) -> Compared {
         let (fit, diagnosis) = (self.fit(), self.results());
-        let spectra = match diagnosis.verdict {
-            results::Verdict::NotJudged => Vec::new(),
-            _ => spectra(&fit.problem()).iter().flatten().map(results::AxisSpectrum::from).collect(),
+        let (spectra, added) = match diagnosis.verdict {
+            results::Verdict::NotJudged => (Vec::new(), Ok(Vec::new())),
+            _ => (spectra_of(fit), added::trials(fit, &diagnosis)),
         };
         let correctable = fit.correctable();
-        let left_out = correctable.as_ref().err().map(|error| left_out(CORRECTABLE, error));
+        let left_out = [
+            correctable.as_ref().err().map(|error| left_out(CORRECTABLE, error)),
+            added.as_ref().err().map(|error| left_out(ADDED, error)),
+        ];
         let answer = results::Comparison {
             spectra,
+            added: added.unwrap_or_default(),
             losses: fit.experiment().losses(),
             time_quality: fit.experiment().time_quality(),
             ladder: fit.model().ladder(),
             correctable: correctable.ok(),
-            left_out: left_out.into_iter().collect(),
+            left_out: left_out.into_iter().flatten().collect(),
             identification: fit.results().judged(diagnosis.model_adequate()),
             ..results::Comparison::new(fit.experiment().points(), fit.identification(), Some(diagnosis))
         };
@@ -131,6 +136,27 @@ impl Compared {
 
 /// What may be left out of a comparison.
 const CORRECTABLE: &str = "What could be entered into the control";
+const ADDED: &str = "What was found before an effect was added";
+
+/// What a fit leaves along each axis, by period.
+fn spectra_of(fit: &Fit) -> Vec<results::AxisSpectrum> {
+    spectra(&fit.problem()).iter().flatten().map(results::AxisSpectrum::from).collect()
+}
+
+/// The fits without and with what was added; `then` is the diagnosis of the model with it.
+pub(crate) fn trial(
+    whole: &ModelEffect,
+    entries: &[ModelEffect],
+    fits: [&Fit; 2],
+    then: Option<&results::Diagnosis>,
+) -> results::Trial {
+    let points = fits[1].experiment().points();
+    let mut answer = results::Trial::new(points, whole, entries, fits.map(Fit::identification), then);
+    let [before, after] = fits.map(spectra_of);
+    answer.spectra = results::SpectraBeforeAfter { before, after };
+    answer.identification.doubts = fits[1].doubts();
+    answer
+}
 
 pub(crate) fn left_out(what: &str, error: &Error) -> String {
     format!("{what} is left out, because it failed: {}.", chain(error))
@@ -139,11 +165,8 @@ pub(crate) fn left_out(what: &str, error: &Error) -> String {
 impl Trial {
     fn of(step: &Step) -> Result<Self, Error> {
         let then = Diagnosed::without_plan(step.fit())?.results();
-        let fits = [step.before(), step.fit()].map(Fit::identification);
-        let points = step.fit().experiment().points();
-        let mut answer = results::Trial::new(points, step.whole_entry(), step.entries(), fits, Some(&then));
-        answer.identification.doubts = step.fit().doubts();
-        Ok(Self { answer })
+        let fits = [step.before(), step.fit()];
+        Ok(Self { answer: trial(step.whole_entry(), step.entries(), fits, Some(&then)) })
     }
 
     /// The answer: `trunnion-trial/1`.

@@ -17,6 +17,7 @@
 //! Every answer is a value of `trunnion-results` ([`results`]): a serde type with a JSON schema. [`Fit::results`],
 //! [`Diagnosed::results`] and [`Step::results`] give it, `summary` gives the same as text.
 
+mod added;
 mod analysed;
 mod analysis;
 mod analysis_error;

@@ -5,6 +5,7 @@ use crate::{Diagnosed, Error, Experiment, Fit, Model, analysis};
 use trunnion_effects::catalogue::BASE;
 use trunnion_effects::{Formula, LadderRow, ModelEffect, Removal};
 use trunnion_results as results;
+use trunnion_results::sentences::formula_id;
 
 /// An effect added to a model.
 #[derive(Clone)]
@@ -127,23 +128,44 @@ impl Step {
         }
     }
 
-    /// The same with a date in its ladder rows, and with the values of the fit in the model.
+    /// The same with a date in its ladder rows, with what a diagnosis says for the effect, and with the values of the fit in the model.
     ///
     /// # Errors
     /// A model of another machine than that of the runs: its file would hold values of two.
     pub fn dated(mut self, date: &str) -> Result<Self, Error> {
         self.after.model().is_of(self.after.experiment().runs())?;
-        self.row.date = date.into();
+        self.row = self.as_found(LadderRow { date: date.into(), ..self.row.clone() });
         let mut model = self.after.model().clone();
         for entry in &mut self.entries {
             if let Some(row) = &mut entry.ladder {
                 row.date = date.into();
+                // What came in with another has its grounds in the row of that one.
+                if row.with.is_none() {
+                    row.evidence = self.row.evidence;
+                    row.confused_with.clone_from(&self.row.confused_with);
+                    row.separate_by.clone_from(&self.row.separate_by);
+                }
                 model = model.with_ladder_row(&entry.id, row)?;
             }
         }
         let model = model.with_values(&self.after.values(date))?;
         self.after = self.after.with_model(model);
         Ok(self)
+    }
+
+    /// A row with what a diagnosis of the model without the effect says for it. That was mostly asked before, and is kept.
+    fn as_found(&self, row: LadderRow) -> LadderRow {
+        let diagnosis = Diagnosed::or_not_judged(&self.before).results();
+        let formula = diagnosis.formula.as_ref().filter(|formula| formula_id(formula) == self.effect);
+        match diagnosis.candidates.iter().find(|candidate| candidate.effect == self.effect) {
+            Some(candidate) => LadderRow {
+                evidence: Some(candidate.evidence),
+                confused_with: candidate.confused_with.clone(),
+                separate_by: candidate.separate_by.clone(),
+                ..row
+            },
+            None => LadderRow { evidence: formula.map(|formula| formula.evidence), ..row },
+        }
     }
 
     /// The same with the name of who added it in its ladder rows.

@@ -39,6 +39,10 @@ def story_of_one_run(browser, folder):
         check("the rms falls", after < before, (before, after))
         check("it equals trunnion ladder", abs(after - ladder["error_after_um"]) < 0.006, ladder["error_after_um"])
         check("the name is kept", ladder["by"] == "Ada" and "Ada" in tab.text(".steps"), tab.text(".steps li"))
+        found = tab.page.locator("section:has(> h2:text('Found and added'))").inner_text()
+        kept = ["gravity-sag:B", "Where the model failed before it was added", "Likely cause", "It is significant", "Added by Ada on", "the residual falls from", "— before", "— after"]
+        check("what was found stays after the addition", all(part in found for part in kept), [part for part in kept if part not in found])
+        tab.picture("result-added")
         other.page.wait_for_selector('[data-remove="gravity-sag:B"]')
         check("the other browser shows it", "another window" in other.text("#notice"), other.text("#notice"))
 

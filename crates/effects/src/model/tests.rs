@@ -27,6 +27,9 @@ fn formula() -> ModelEffect {
                 u: 0.26,
                 unit: "um".into(),
             }],
+            evidence: Some(12.5),
+            confused_with: vec!["backlash:B".into(), "cable-drag:B".into()],
+            separate_by: "Approach each pose from both sides.".into(),
             ..LadderRow::default()
         }),
         ..ModelEffect::default()

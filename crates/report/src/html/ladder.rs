@@ -1,8 +1,8 @@
 //! The ladder: how the error fell with every effect that was added, and what each did to the location errors.
 
 use super::trial::{clearly, moved_table};
-use crate::added::{by_whom, causes};
-use crate::markup::{element, table};
+use crate::added::by_whom;
+use crate::markup::table;
 use crate::number::{MISSING, um, um_or_dash};
 use crate::svg::{Bar, bars};
 use crate::words::{bars_legend, most_moved, moved_words, units_of};
@@ -46,9 +46,7 @@ pub fn section(ladder: &Ladder) -> String {
         "date",
         "run",
     ];
-    let what: String = causes(ladder).iter().map(|text| element("p", text)).collect();
-    let mut body =
-        what + &chart + &table("Error after each added effect, rms", &head, &[1, 2, 3, 4, 5], &rows);
+    let mut body = chart + &table("Error after each added effect, rms", &head, &[1, 2, 3, 4, 5], &rows);
     for (effect, row) in ladder.added() {
         let moved = clearly(&row.moved);
         if !moved.is_empty() {

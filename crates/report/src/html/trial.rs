@@ -4,7 +4,7 @@ use super::maps::{self, Grid, Map};
 use super::places as place_list;
 use crate::markup::{element, escape, table};
 use crate::number::{justified, um_or_dash, unit_on_screen, value_and_u};
-use crate::svg::{Bar, Mark, Series, XyChart, bars, legend, end_above, xy_chart};
+use crate::svg::{Bar, Mark, Series, XyChart, bars, end_above, legend, xy_chart};
 use crate::views::{Axes, component_name, component_names, residuals_um, thinned};
 use crate::words::{NO_PLACE, about, bars_legend, effect_name, trial_verdict, units};
 use std::collections::HashSet;
@@ -70,7 +70,10 @@ pub fn places(trial: &Trial) -> String {
 /// Every pair of maps.
 pub fn all_maps(trial: &Trial) -> String {
     let body = match pairs(trial) {
-        Some((grid, pairs, limit_um)) => drawn(&grid, &pairs, limit_um),
+        Some((grid, pairs, limit_um)) => {
+            let drawn = pairs.iter().map(|pair| drawn(&grid, pair, limit_um));
+            key(limit_um) + &drawn.collect::<String>()
+        }
         None => charts(trial),
     };
     format!("<section class=\"page\"><h2>Residual before and after</h2>\n{body}</section>\n")
@@ -78,19 +81,27 @@ pub fn all_maps(trial: &Trial) -> String {
 
 /// The pairs in which most falls away, for the compare page.
 pub fn clearest_maps(trial: &Trial) -> String {
-    let body = match pairs(trial) {
+    let (first, rest) = match pairs(trial) {
         Some((grid, mut pairs, limit_um)) => {
             let falls = |pair: &[Map; 2]| pair[0].mean_square() - pair[1].mean_square();
             pairs.sort_by(|a, b| falls(b).total_cmp(&falls(a)));
             // One pair a component: the same picture for the other direction says nothing new.
             let mut components = HashSet::new();
             pairs.retain(|[before, _]| components.insert(before.component.clone()));
-            pairs.truncate(MOST_PAIRS);
-            drawn(&grid, &pairs, limit_um)
+            let (first, rest) = pairs.split_at(pairs.len().min(1));
+            let rest = &rest[..rest.len().min(MOST_PAIRS - 1)];
+            let drawn = |pairs: &[[Map; 2]]| -> String {
+                pairs.iter().map(|pair| drawn(&grid, pair, limit_um)).collect()
+            };
+            (key(limit_um) + &drawn(first), drawn(rest))
         }
-        None => charts(trial),
+        None => (charts(trial), String::new()),
     };
-    format!("<h3>Residual before and after {}</h3>\n{body}", escape(&trial.effect))
+    // On paper heading and scale stay with the first maps.
+    format!(
+        "<div class=\"together\"><h3>Residual before and after {}</h3>\n{first}</div>\n{rest}",
+        escape(&trial.effect)
+    )
 }
 
 /// How big the effect is.
@@ -150,15 +161,16 @@ fn pairs(trial: &Trial) -> Option<(Grid<'_>, Vec<[Map; 2]>, f64)> {
     Some((grid, pairs, limit_um))
 }
 
-fn drawn(grid: &Grid<'_>, pairs: &[[Map; 2]], limit_um: f64) -> String {
-    let pair = |[before, after]: &[Map; 2]| {
-        format!(
-            "<div class=\"pair\">{}{}</div>\n",
-            before.figure(grid, limit_um, &format!("{} — before", before.title)),
-            after.figure(grid, limit_um, &format!("{} — after", after.title))
-        )
-    };
-    format!("<div class=\"key\">{}</div>\n{}", legend(limit_um), pairs.iter().map(pair).collect::<String>())
+fn key(limit_um: f64) -> String {
+    format!("<div class=\"key\">{}</div>\n", legend(limit_um))
+}
+
+fn drawn(grid: &Grid<'_>, [before, after]: &[Map; 2], limit_um: f64) -> String {
+    format!(
+        "<div class=\"pair\">{}{}</div>\n",
+        before.figure(grid, limit_um, &format!("{} — before", before.title)),
+        after.figure(grid, limit_um, &format!("{} — after", after.title))
+    )
 }
 
 /// Without a grid: one chart a component over the turning axis, or over time, before and after.

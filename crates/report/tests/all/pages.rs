@@ -66,6 +66,7 @@ fn entry() -> ModelEffect {
             holdout_unit: Some("pass".into()),
             noise_um: Some(0.5),
             moved: vec![moved],
+            ..LadderRow::default()
         }),
         ..ModelEffect::default()
     }
@@ -165,7 +166,7 @@ fn the_page_goes_from_the_verdict_over_the_places_to_the_tables() {
     let (_, mut input) = fitted();
     input.ladder = Ladder::from(&model());
     let page = compare_html(&input, "");
-    let order = ["<h1>", "Where the model fails most", "What is missing", "Ladder", "Residual over B and C"];
+    let order = ["<h1>", "Ladder", "Where the model fails most", "What is missing", "Residual over B and C"];
     let places: Vec<_> = order.iter().map(|heading| page.find(heading).unwrap()).collect();
     assert!(places.is_sorted(), "{places:?}");
     // No model without directions takes any of it.

@@ -42,6 +42,7 @@ function parts(page, story) {
     el("div", { class: "two" },
       el("section", {}, el("h2", {}, "How sure this is"), list(story.sure)),
       el("section", {}, el("h2", {}, "What to do"), el("ol", { class: "todo" }, story.to_do.map((text) => el("li", {}, text))))),
+    shown("added"),
     el("section", { id: "where" }, shown("places"), detail(["maps", "Residual over the rotary axes"]), shown("spectrum")),
     el("section", { id: "which" }, el("h2", {}, "Which effect, and why"),
       story.candidates.length || story.removable.length ? el("p", { class: "row" }, el("label", {}, "Your name, kept with what you add or remove", who)) : null,
