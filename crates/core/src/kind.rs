@@ -74,6 +74,8 @@ struct Row {
     kind: InstrumentKind,
     /// Name in files.
     name: &'static str,
+    /// What it is called in sentences, with its article.
+    words: &'static str,
     /// Names of the components of one reading.
     components: &'static [&'static str],
     /// What one component is called in sentences.
@@ -101,21 +103,47 @@ enum Key {
 
 /// Every kind, one row each.
 const ROWS: &[Row] = &[
-    row(InstrumentKind::RTest, "r-test", &["x", "y", "z"], "reading", XYZ, &[]),
+    row(InstrumentKind::RTest, "r-test", "an R-test", &["x", "y", "z"], "reading", XYZ, &[]),
     row(
         InstrumentKind::BallBar,
         "ball-bar",
+        "a ball bar",
         &["r"],
         "bar length",
         &[ReadingColumn::Deviation("dr_um")],
         &[Key::BarLength],
     ),
-    row(InstrumentKind::Tracker, "tracker", &["l"], "distance from the station", LENGTH, &[]),
-    row(InstrumentKind::LaserTracker, "laser-tracker", &["x", "y", "z"], "reading", REFLECTOR, &[]),
-    row(InstrumentKind::LaserBallBar, "laser-ball-bar", &["l"], "bar length", LENGTH, &[]),
+    row(
+        InstrumentKind::Tracker,
+        "tracker",
+        "a tracking interferometer",
+        &["l"],
+        "distance from the station",
+        LENGTH,
+        &[],
+    ),
+    row(
+        InstrumentKind::LaserTracker,
+        "laser-tracker",
+        "a laser tracker",
+        &["x", "y", "z"],
+        "reading",
+        REFLECTOR,
+        &[],
+    ),
+    row(
+        InstrumentKind::LaserBallBar,
+        "laser-ball-bar",
+        "a laser ball bar",
+        &["l"],
+        "bar length",
+        LENGTH,
+        &[],
+    ),
     row(
         InstrumentKind::PassiveArm,
         "passive-arm",
+        "a passive arm",
         &["j1", "j2"],
         "joint angle of the arm",
         ANGLES,
@@ -124,26 +152,53 @@ const ROWS: &[Row] = &[
     row(
         InstrumentKind::CrossGrid,
         "cross-grid",
+        "a cross-grid encoder",
         &["u", "v"],
         "coordinate on the grid",
         GRID,
         &[Key::Direction],
     ),
-    row(InstrumentKind::Level, "level", &["angle"], "reading of the level", TURN, &[Key::Direction]),
-    row(InstrumentKind::Diagonal, "diagonal", &["l"], "reading along the beam", LENGTH, &[Key::Direction]),
     row(
-        InstrumentKind::StepDiagonal,
-        "step-diagonal",
+        InstrumentKind::Level,
+        "level",
+        "a level",
+        &["angle"],
+        "reading of the level",
+        TURN,
+        &[Key::Direction],
+    ),
+    row(
+        InstrumentKind::Diagonal,
+        "diagonal",
+        "an interferometer",
         &["l"],
         "reading along the beam",
         LENGTH,
         &[Key::Direction],
     ),
-    row(InstrumentKind::BallPlate, "ball-plate", &["x", "y", "z"], "reading", XYZ, &[Key::Targets]),
-    row(InstrumentKind::TouchProbe, "touch-probe", &["x", "y", "z"], "reading", XYZ, &[]),
+    row(
+        InstrumentKind::StepDiagonal,
+        "step-diagonal",
+        "an interferometer with a flat mirror",
+        &["l"],
+        "reading along the beam",
+        LENGTH,
+        &[Key::Direction],
+    ),
+    row(
+        InstrumentKind::BallPlate,
+        "ball-plate",
+        "a ball plate",
+        &["x", "y", "z"],
+        "reading",
+        XYZ,
+        &[Key::Targets],
+    ),
+    row(InstrumentKind::TouchProbe, "touch-probe", "a touch probe", &["x", "y", "z"], "reading", XYZ, &[]),
     row(
         InstrumentKind::TouchProbeFace,
         "touch-probe-face",
+        "a touch probe on faces",
         &["n"],
         "reading along the normal",
         NORMAL,
@@ -152,6 +207,7 @@ const ROWS: &[Row] = &[
     row(
         InstrumentKind::MachinedSurface,
         "machined-surface",
+        "a probe on a machined surface",
         &["n"],
         "reading along the normal",
         NORMAL,
@@ -162,12 +218,13 @@ const ROWS: &[Row] = &[
 const fn row(
     kind: InstrumentKind,
     name: &'static str,
+    words: &'static str,
     components: &'static [&'static str],
     reads: &'static str,
     columns: &'static [ReadingColumn],
     keys: &'static [Key],
 ) -> Row {
-    Row { kind, name, components, reads, columns, keys }
+    Row { kind, name, words, components, reads, columns, keys }
 }
 
 impl InstrumentKind {
@@ -193,6 +250,16 @@ impl InstrumentKind {
     /// Name in files.
     pub fn name(self) -> &'static str {
         self.row().name
+    }
+
+    /// What it is called in sentences, with its article: `an R-test`.
+    pub fn with_article(self) -> &'static str {
+        self.row().words
+    }
+
+    /// The same without its article: `R-test`.
+    pub fn title(self) -> &'static str {
+        self.with_article().split_once(' ').map_or(self.with_article(), |(_, title)| title)
     }
 
     /// Names of the components of one reading.

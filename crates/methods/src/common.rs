@@ -47,6 +47,27 @@ pub(crate) fn mounted(runs: &[Run]) -> Vec<Mounted<'_>> {
     all
 }
 
+/// Why parts of the runs were left out, `setup low: read by an R-test`, in one list: a reason of several parts is said once.
+pub(crate) fn reasons(left_out: &[String]) -> String {
+    let mut once: Vec<(&str, &str, Vec<&str>)> = Vec::new();
+    for left in left_out {
+        let (part, why) = left.split_once(": ").unwrap_or((left, ""));
+        let (noun, name) = part.split_once(' ').unwrap_or((part, ""));
+        match once.iter_mut().find(|(of, for_what, _)| *of == noun && *for_what == why) {
+            Some((.., names)) => names.push(name),
+            None => once.push((noun, why, vec![name])),
+        }
+    }
+    let said = |(noun, why, names): &(&str, &str, Vec<&str>)| {
+        let (last, others) = names.split_last().unwrap_or((&"", &[]));
+        match others.is_empty() {
+            true => format!("{noun} {last}: {why}"),
+            false => format!("{noun}s {} and {last}: {why}", others.join(", ")),
+        }
+    };
+    once.iter().map(said).collect::<Vec<_>>().join("; ")
+}
+
 /// What a method recognised, setup by setup.
 pub(crate) struct Recognised<T> {
     pub all: Vec<T>,
@@ -74,8 +95,7 @@ impl<T> Recognised<T> {
             }
         }
         if found.all.is_empty() {
-            let why =
-                if found.left_out.is_empty() { "no readings".into() } else { found.left_out.join("; ") };
+            let why = if found.left_out.is_empty() { "no readings".into() } else { reasons(&found.left_out) };
             return Err(method.lacks(format!("{what} ({why})"), next));
         }
         Ok(found)
@@ -84,5 +104,19 @@ impl<T> Recognised<T> {
     /// For the notes of the findings.
     pub fn left_out_notes(&self) -> impl Iterator<Item = String> + '_ {
         self.left_out.iter().map(|left| format!("Left out: {left}."))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reason_of_several_setups_is_said_once() {
+        let read = "read by an R-test, not by a tracker";
+        let left_out =
+            [format!("setup low: {read}"), "setup far: nothing moves".into(), format!("setup high: {read}")];
+        assert_eq!(reasons(&left_out), format!("setups low and high: {read}; setup far: nothing moves"));
+        assert_eq!(reasons(&left_out[..1]), left_out[0]);
     }
 }

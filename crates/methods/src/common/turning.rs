@@ -7,7 +7,7 @@
 //! Limits: R-test readings (three components); the axis lies along a coordinate of its carrier.
 
 use super::relative::{machine_from_reading, tool_against_table_mm};
-use crate::common::{Mounted, mounted};
+use crate::common::{Mounted, mounted, reasons};
 use crate::recipes::{Method, MethodError, one_machine};
 use nalgebra::{Matrix3, Point3, Vector3};
 use trunnion_core::convert::{deg_from_rad, rad_from_deg};
@@ -97,7 +97,7 @@ impl Turning {
         }
         let Some((axis, first)) = found.first().map(|(axis, first)| (*axis, first)) else {
             let wanted = asked.map_or("a rotary axis".into(), |letter| format!("axis {letter}"));
-            let found = format!("in no setup does {wanted} turn alone ({})", left_out.join("; "));
+            let found = format!("in no setup does {wanted} turn alone ({})", reasons(&left_out));
             return Err(method.lacks(found, "Run a cycle such as config/cycles/two-height-c.toml."));
         };
         if let Some((other, Mounted { name, .. })) = found.iter().find(|(letter, _)| *letter != axis) {
@@ -136,7 +136,7 @@ impl Turning {
 /// The rotary axis that turns while everything else is at rest, or why there is none.
 fn alone(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Joint, String> {
     if setup.instrument != InstrumentKind::RTest {
-        return Err(format!("is read by a {}, not by an R-test", setup.instrument.name()));
+        return Err(format!("read by {}, not by an R-test", setup.instrument.with_article()));
     }
     let moves = |letter: Joint| span(points.iter().map(|p| p.state.position[letter]));
     let turning: Vec<_> =

@@ -154,7 +154,7 @@ impl<'a> Seen<'a> {
         numbers: &'a [usize],
     ) -> Result<Self, String> {
         if setup.instrument != InstrumentKind::BallBar {
-            return Err(format!("is read by a {}, not by a ball bar", setup.instrument.name()));
+            return Err(format!("read by {}, not by a ball bar", setup.instrument.with_article()));
         }
         if points.len() < LEAST_READINGS {
             return Err(format!("has {} readings; {LEAST_READINGS} or more show a shape", points.len()));

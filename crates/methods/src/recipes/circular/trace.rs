@@ -124,8 +124,8 @@ fn circle(run: &Run, setup: &Setup, points: &[&Point]) -> Result<Trace, String> 
     let machine = &run.machine;
     if setup.instrument != InstrumentKind::BallBar {
         return Err(format!(
-            "is read by a {}, not by a ball bar or a cross-grid encoder",
-            setup.instrument.name()
+            "read by {}, not by a ball bar or a cross-grid encoder",
+            setup.instrument.with_article()
         ));
     }
     if points.len() < LEAST_READINGS {

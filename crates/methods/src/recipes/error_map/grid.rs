@@ -4,7 +4,7 @@ use super::nest_calibration::commanded_mm;
 use crate::common::relative::{machine_from_reading, tool_against_table_mm};
 use crate::common::shares::Shares;
 use crate::common::stations::Stations;
-use crate::common::{Mounted, mounted};
+use crate::common::{Mounted, mounted, reasons};
 use crate::recipes::{Method, MethodError, one_machine};
 use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 use trunnion_core::{InstrumentKind, Joint, Point, Setup, Twist};
@@ -77,7 +77,7 @@ impl<'a> Grid<'a> {
                 continue;
             }
             if setup.instrument != InstrumentKind::RTest {
-                left_out.push(format!("setup {name}: read by a {}", setup.instrument.name()));
+                left_out.push(format!("setup {name}: read by {}", setup.instrument.with_article()));
                 continue;
             }
             let off_mm = points.iter().map(|point| commanded_mm(run, point).norm()).fold(0.0, f64::max);
@@ -108,7 +108,7 @@ impl<'a> Grid<'a> {
             let found = match nests.len() {
                 0 => match left_out.is_empty() {
                     true => "they hold no R-test readings at rest".into(),
-                    false => format!("they hold no R-test readings at rest ({})", left_out.join("; ")),
+                    false => format!("they hold no R-test readings at rest ({})", reasons(&left_out)),
                 },
                 1 => format!("there is one nest position ({})", nests[0].0),
                 n => format!("the {n} nest positions are less than {APART_MM} mm apart in height"),

@@ -1,6 +1,6 @@
 //! Which readings are of one target: the same commanded axes, approached alike, with the reflector at the same place of the tool.
 
-use crate::common::{Mounted, mounted};
+use crate::common::{Mounted, mounted, reasons};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Point3, Vector3};
 use trunnion_core::{InstrumentKind, Point, State};
@@ -61,9 +61,10 @@ pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Observed, Meth
     let mut found = Observed { groups: Vec::new(), left_out: Vec::new() };
     for Mounted { name, run, setup, points, .. } in mounted(runs) {
         if setup.instrument != InstrumentKind::Tracker {
-            found
-                .left_out
-                .push(format!("setup {name}: is read by a {}, not by a tracker", setup.instrument.name()));
+            found.left_out.push(format!(
+                "setup {name}: read by {}, not by a tracking interferometer",
+                setup.instrument.with_article()
+            ));
             continue;
         }
         let at = setup.ball_in_tool_mm;
@@ -91,7 +92,7 @@ pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Observed, Meth
     }
     let next = "Run a cycle such as config/cycles/tracker.toml.";
     if found.groups.is_empty() {
-        let why = if found.left_out.is_empty() { "no readings".into() } else { found.left_out.join("; ") };
+        let why = if found.left_out.is_empty() { "no readings".into() } else { reasons(&found.left_out) };
         return Err(method.lacks(format!("no setup holds distances of a tracker ({why})"), next));
     }
     for group in &mut found.groups {

@@ -84,7 +84,10 @@ pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Traces, Method
 
 fn trace(machine: &Machine, setup: &Setup, points: &[&Point]) -> Result<Trace, String> {
     if setup.instrument != InstrumentKind::Diagonal {
-        return Err(format!("is read by a {}, not by an interferometer (diagonal)", setup.instrument.name()));
+        return Err(format!(
+            "read by {}, not by an interferometer (diagonal)",
+            setup.instrument.with_article()
+        ));
     }
     let moves = |letter: &Joint| {
         let positions = points.iter().map(|point| point.state.position[*letter]);

@@ -39,7 +39,7 @@ pub(super) fn circles(mounted: &Mounted<'_>) -> Result<Vec<Round>, String> {
     let setup = mounted.setup;
     let kind = setup.instrument;
     if !matches!(kind, InstrumentKind::MachinedSurface | InstrumentKind::TouchProbeFace) {
-        return Err(format!("is read by a {}, not along the normal of a surface", kind.name()));
+        return Err(format!("read by {}, not along the normal of a surface", kind.with_article()));
     }
     let mut heights: Vec<(f64, Vec<(&Target, &Point)>)> = Vec::new();
     for &point in &mounted.points {
