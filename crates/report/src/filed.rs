@@ -11,7 +11,7 @@ use crate::certainty;
 use crate::html::{self, PAGE_CSS};
 use crate::language::{Language, translated};
 use crate::markup::{element, escape, table};
-use crate::number::{MISSING, um, um_or_dash};
+use crate::number::{um, um_or_dash};
 use crate::to_do::to_do;
 use crate::words::{headline, verdict};
 use trunnion_results::{Comparison, Report};
@@ -44,8 +44,10 @@ pub fn report_html(report: &Report, language: Language) -> String {
 fn page(report: &Report, body: &str, language: Language) -> String {
     let say = |text: &str| language.say(text).unwrap_or_else(|| text.into());
     let identity = &report.identity;
-    let serial = identity.serial.as_deref().unwrap_or(MISSING);
-    let title = format!("{}: {} · {serial} · {}", say("Trunnion report"), identity.machine, identity.written);
+    let known = [Some(&identity.machine), identity.serial.as_ref(), Some(&identity.written)];
+    let known: Vec<&str> =
+        known.into_iter().flatten().map(String::as_str).filter(|text| !text.is_empty()).collect();
+    let title = format!("{}: {}", say("Trunnion report"), known.join(" · "));
     format!(
         "<!DOCTYPE html>\n<html lang=\"{}\"><head><meta charset=\"utf-8\"/>\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\

@@ -8,6 +8,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::OnceLock;
 use std::time::UNIX_EPOCH;
+use trunnion_core::number::trimmed;
 use trunnion_core::{InstrumentKind, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_record::RunHeader;
@@ -86,8 +87,9 @@ fn hexadecimal(digest: Sha256) -> String {
 }
 
 fn setup(setup: &Setup) -> String {
-    let [x, y, z] = setup.ball_in_table_mm.coords.into();
-    format!("{}: {}, ball at {x} {y} {z} mm", setup.name, setup.instrument.name())
+    let [x, y, z] = <[f64; 3]>::from(setup.ball_in_table_mm.coords).map(|mm| trimmed(mm, 3));
+    let instrument = setup.instrument.title();
+    format!("{}: {instrument}, ball at X {x} mm, Y {y} mm, Z {z} mm", setup.name)
 }
 
 /// The directions of the probes of an R-test, as the configuration in the recording has them.

@@ -1,7 +1,7 @@
 //! Whose report it is: machine, people, recordings.
 
 use crate::markup::{element, escape};
-use crate::number::MISSING;
+use crate::number::{MISSING, fixed};
 use trunnion_results::{Identity, Report, RunIdentity, TemperatureRange, sentences};
 
 const NOT_RECORDED: &str = "not recorded";
@@ -55,7 +55,11 @@ fn of_run(run: &RunIdentity) -> String {
 
 fn temperature(range: &TemperatureRange) -> String {
     let TemperatureRange { channel, lowest_degc, mean_degc, highest_degc } = range;
-    format!("{channel}: {lowest_degc:.1} … {highest_degc:.1} °C ({mean_degc:.1} °C)")
+    let [lowest, mean, highest] = [lowest_degc, mean_degc, highest_degc].map(|degc| fixed(*degc, 1));
+    match lowest == highest {
+        true => format!("{channel}: {mean} °C"),
+        false => format!("{channel}: {lowest} to {highest} °C, {mean} °C on average"),
+    }
 }
 
 fn rows(caption: &str, rows: &[(&str, Vec<String>)]) -> String {

@@ -95,7 +95,8 @@ fn doubts_and_places_of_a_report_are_of_one_language() {
     let places = [
         "table Y, C at 150°, both directions, both setups:",
         "X, Y at 100 mm, setup low:",
-        "low: r-test, ball at 150 0 60 mm",
+        "low: R-test, ball at X 150 mm, Y 0 mm, Z 60 mm",
+        "bed: 20.1 to 20.9 °C, 20.4 °C on average",
     ];
     for text in said.chain(places.map(String::from)) {
         for language in [Language::German, Language::Japanese] {

@@ -24,7 +24,7 @@ pub fn report() -> Report {
         sha256: "9f86d081884c7d65".repeat(4),
         began: Some("2026-03-01 08:00 UTC".into()),
         day: Some("2026-03-01".into()),
-        setups: vec!["low <b>: r-test, ball at 150 0 60 mm".into()],
+        setups: vec!["low <b>: R-test, ball at X 150 mm, Y 0 mm, Z 60 mm".into()],
         temperatures: vec![TemperatureRange {
             channel: "bed".into(),
             lowest_degc: 20.1,
@@ -311,6 +311,12 @@ fn what_nobody_recorded_is_said_and_not_invented() {
     unknown.identity.serial = None;
     unknown.identity.operator = None;
     unknown.identity.runs[0].day = None;
+    unknown.identity.runs[0].temperatures.truncate(1);
+    let constant = &mut unknown.identity.runs[0].temperatures[0];
+    (constant.lowest_degc, constant.mean_degc, constant.highest_degc) = (20.01, 20.02, 20.04);
+    let page = report_html(&unknown, Language::English);
+    assert!(page.contains("<div>bed: 20.0 °C</div>"), "a temperature that stays is one number");
+    assert!(page.contains("<title>Trunnion report: table-bc · 2026-03-02</title>"), "no dash for a number that nobody gave");
     unknown.identity.runs[0].temperatures.clear();
     unknown.conformity = None;
     let page = report_html(&unknown, Language::English);

@@ -54,7 +54,8 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     ["Not decided: the runs were not judged.", "Nicht entschieden: Die Messläufe wurden nicht beurteilt.", "判定なし：測定が評価されていない。"],
     ["Not decided: neither the machine file nor the command gives a tolerance.", "Nicht entschieden: Weder Maschinendatei noch Befehl nennen eine Toleranz.", "判定なし：機械ファイルにもコマンドにも公差の指定がない。"],
     ["setup {}, {}", "Aufstellung {}, {}", "段取り {}、{}"],
-    ["{}: {}, ball at {} mm", "{}: {}, Kugel bei {} mm", "{}：{}、球 {} mm"],
+    ["{}: {}, ball at X {} mm, Y {} mm, Z {} mm", "{}: {}, Kugel bei X {} mm, Y {} mm, Z {} mm", "{}：{}、球 X {} mm、Y {} mm、Z {} mm"],
+    ["{}: {} to {} °C, {} °C on average", "{}: {} bis {} °C, {} °C im Mittel", "{}：{}〜{} °C、平均 {} °C"],
     // The first page.
     ["What to do", "Was zu tun ist", "実施すること"],
     ["How sure this is", "Wie sicher das ist", "確かさ"],
