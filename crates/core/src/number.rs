@@ -66,6 +66,12 @@ pub fn um(value_um: f64) -> String {
     if value_um.is_finite() { format!("{} µm", plain(value_um)) } else { MISSING.into() }
 }
 
+/// The same of a part of something larger: of less than a hundredth of a micrometre it says no more than that.
+pub fn um_or_less(value_um: f64) -> String {
+    let is_small = value_um != 0.0 && value_um.abs() < 0.01;
+    if is_small { "< 0.01 µm".into() } else { um(value_um) }
+}
+
 fn is_zero(size: &str) -> bool {
     size.chars().all(|c| matches!(c, '0' | '.'))
 }
@@ -73,6 +79,14 @@ fn is_zero(size: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_part_of_less_than_a_hundredth_is_no_power_of_ten() {
+        assert_eq!(
+            [9.2e-4, -0.003, 0.0, 0.01].map(um_or_less),
+            ["< 0.01 µm", "< 0.01 µm", "0.00 µm", "0.010 µm"]
+        );
+    }
 
     #[test]
     fn what_rounds_to_zero_has_no_sign() {

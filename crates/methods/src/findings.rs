@@ -29,6 +29,8 @@ pub struct Findings {
     pub charts: Vec<Chart>,
     /// What a reader must know: assumptions, what these runs could not show. One sentence or two each.
     pub notes: Vec<String>,
+    /// What to do about it, in order; empty where the method knows no more than its values.
+    pub to_do: Vec<String>,
 }
 
 impl Findings {
@@ -39,8 +41,19 @@ impl Findings {
         machine: String,
         runs: Vec<String>,
     ) -> Self {
-        let (values, tables, charts, notes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { method, source, convention, machine, runs, excluded: 0, values, tables, charts, notes }
+        Self {
+            method,
+            source,
+            convention,
+            machine,
+            runs,
+            excluded: 0,
+            values: Vec::new(),
+            tables: Vec::new(),
+            charts: Vec::new(),
+            notes: Vec::new(),
+            to_do: Vec::new(),
+        }
     }
 }
 

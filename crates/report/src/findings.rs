@@ -1,6 +1,7 @@
 //! What text and page of a named method share: numbers in their units, heads of tables.
 
 use crate::number::{MISSING, fixed, plain, signed, unit_on_screen, value_and_u};
+use crate::to_do::{NOT_ON_THESE_RUNS, SCHEMES};
 use std::cmp::Ordering::Equal;
 use trunnion_results::sentences::{at_tool_um, error_in_words, not_plausible, setting_in_words};
 use trunnion_results::{Cell, Column, Findings, FoundValue, Table, ValueKind};
@@ -20,10 +21,8 @@ const CLEAR_U: f64 = 2.0;
 /// What a method comes to: its summary, the significant error that moves the tool most, how many are significant, and what these runs do not
 /// show.
 pub fn verdict(findings: &Findings) -> Vec<String> {
-    let in_u = |found: &FoundValue| Some(found.value?.abs() / found.u.filter(|u| *u > 0.0)?);
     let (shown, hidden): (Vec<_>, Vec<_>) = findings.values.iter().partition(|found| found.value.is_some());
-    let clear: Vec<&FoundValue> =
-        shown.iter().copied().filter(|found| in_u(found).is_some_and(|size| size > CLEAR_U)).collect();
+    let clear: Vec<&FoundValue> = shown.iter().copied().filter(|found| is_clear(found)).collect();
     let errors_with_u = |all: &[&FoundValue]| {
         all.iter().filter(|found| found.kind == ValueKind::Error && in_u(found).is_some()).count()
     };
@@ -71,6 +70,41 @@ pub fn verdict(findings: &Findings) -> Vec<String> {
         sentences.push(format!("These runs do not show {}.", names.join(", ")));
     }
     sentences
+}
+
+/// What to do, in order: what the method says, else what its values allow; empty where nothing is known.
+pub fn to_do(findings: &Findings) -> Vec<String> {
+    if !findings.plausibility.is_empty() {
+        return NOT_ON_THESE_RUNS.map(String::from).to_vec();
+    }
+    if !findings.to_do.is_empty() {
+        return findings.to_do.clone();
+    }
+    let errors = findings.values.iter().filter(|found| found.kind == ValueKind::Error);
+    let (shown, hidden): (Vec<_>, Vec<_>) = errors.partition(|found| found.value.is_some());
+    let mut to_do = Vec::new();
+    if shown.iter().any(|found| is_clear(found)) {
+        to_do.push(
+            "Ask what is behind it, and what is confounded with it: trunnion diagnose with the same runs."
+                .into(),
+        );
+        to_do.push("Ask what the control can be given: trunnion correct with the same runs.".into());
+    } else if shown.iter().any(|found| in_u(found).is_some()) {
+        to_do.push(format!("Change nothing on these runs: no error is larger than {CLEAR_U} u."));
+    }
+    if !hidden.is_empty() {
+        to_do.push(SCHEMES.into());
+    }
+    to_do
+}
+
+/// The size of a value in standard uncertainties.
+fn in_u(found: &FoundValue) -> Option<f64> {
+    Some(found.value?.abs() / found.u.filter(|u| *u > 0.0)?)
+}
+
+fn is_clear(found: &FoundValue) -> bool {
+    in_u(found).is_some_and(|size| size > CLEAR_U)
 }
 
 /// `Bidirectional circular deviation: 6.61 µm (XY G(b)).`

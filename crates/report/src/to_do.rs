@@ -16,13 +16,13 @@ pub(crate) fn to_do(input: &Comparison) -> Vec<String> {
         Verdict::UnnamedStructure => unnamed(input, diagnosis),
         Verdict::Undecided => vec!["Change nothing at the machine or in the control on these data.".into()],
         Verdict::NotJudged => vec![
-            "Change nothing at the machine or in the control on these runs.".into(),
+            NOT_ON_THESE_RUNS[0].into(),
             if is_failed(input) {
                 "Mend what made the diagnosis fail, and diagnose again.".into()
             } else if is_only_incomplete(input) {
                 "Measure the whole cycle again, or the part that is missing.".into()
             } else {
-                "Undo the mistake named above, or measure again.".into()
+                NOT_ON_THESE_RUNS[1].into()
             },
         ],
     };
@@ -158,6 +158,12 @@ fn correct(input: &Comparison) -> Vec<String> {
     to_do
 }
 
+/// Said of runs that cannot be what they say they are.
+pub(crate) const NOT_ON_THESE_RUNS: [&str; 2] = [
+    "Change nothing at the machine or in the control on these runs.",
+    "Undo the mistake named above, or measure again.",
+];
+
 /// Said where a person would like an error of an axis and these runs show none.
-const SCHEMES: &str = "To find errors of the axes, measure a cycle that shows them: the guide \"Measurement schemes\" lists cycles for each \
+pub(crate) const SCHEMES: &str = "To find errors of the axes, measure a cycle that shows them: the guide \"Measurement schemes\" lists cycles for each \
                        instrument.";

@@ -37,6 +37,9 @@ pub struct Findings {
     pub charts: Vec<Chart>,
     /// Assumptions, and what these runs could not show.
     pub notes: Vec<String>,
+    /// What the method says to do, in order; empty where it knows no more than its values.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub to_do: Vec<String>,
 }
 
 /// Format and version of findings.
@@ -249,6 +252,7 @@ impl From<&found::Findings> for Findings {
             tables: findings.tables.iter().map(table).collect(),
             charts: findings.charts.iter().map(chart).collect(),
             notes: findings.notes.iter().map(|note| with_authors(note)).collect(),
+            to_do: findings.to_do.iter().map(|text| with_authors(text)).collect(),
         }
     }
 }

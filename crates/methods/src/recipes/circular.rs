@@ -27,6 +27,7 @@ mod plate;
 mod reversals;
 mod sample;
 mod solved;
+mod to_do;
 mod trace;
 mod values;
 

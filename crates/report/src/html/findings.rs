@@ -1,6 +1,6 @@
 //! What a named method found, as a page.
 
-use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row, verdict};
+use crate::findings::{VALUE_HEADS, cells, heads, numeric, to_do, value_row, verdict};
 use crate::markup::{element, escape, table};
 use crate::number::unit_on_screen;
 use crate::svg::{
@@ -15,6 +15,15 @@ pub fn sections(findings: &Findings, label: &str) -> String {
     let title = format!("Machine {}, {}: {}", findings.machine, findings.method, said[0]);
     let mut html = element("h1", &title) + "\n";
     html += &said[1..].iter().map(|sentence| element("p", sentence)).collect::<String>();
+    let to_do = to_do(findings);
+    if !to_do.is_empty() {
+        let items: String = to_do.iter().map(|text| element("li", text)).collect();
+        html += &format!("<section><h2>What to do</h2>\n<ol>{items}</ol></section>\n");
+    }
+    // Before a table of many rows a picture.
+    let in_first = |chart: &&Chart| chart.group == findings.charts[0].group;
+    let (first, others) = findings.charts.split_at(findings.charts.iter().take_while(in_first).count());
+    html += &charts(first);
     let rows: Vec<_> = findings.values.iter().map(value_row).collect();
     html += &table("Values with standard uncertainties", &VALUE_HEADS, &[1, 2], &rows);
     if !findings.notes.is_empty() {
@@ -24,7 +33,7 @@ pub fn sections(findings: &Findings, label: &str) -> String {
             "<section><h2>What it assumes, and what these runs could not show</h2>\n<ul>{notes}</ul></section>\n"
         );
     }
-    html += &charts(&findings.charts);
+    html += &charts(others);
     if !findings.tables.is_empty() {
         html += "<section><h2>Tables</h2>\n";
         for found in &findings.tables {

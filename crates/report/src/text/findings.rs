@@ -1,7 +1,7 @@
 //! What a named method found, for the terminal.
 
 use super::table::{clean, paragraph, titled};
-use crate::findings::{VALUE_HEADS, cells, heads, numeric, value_row, verdict};
+use crate::findings::{VALUE_HEADS, cells, heads, numeric, to_do, value_row, verdict};
 use trunnion_results::Findings;
 
 /// Values, notes and tables; charts are on the page.
@@ -12,6 +12,13 @@ pub fn findings_text(findings: &Findings) -> String {
     out += &format!("Signs: {}\n\n", findings.convention);
     for sentence in verdict(findings) {
         out += &paragraph(&sentence);
+    }
+    let to_do = to_do(findings);
+    if !to_do.is_empty() {
+        out += "\nWhat to do:\n";
+        for (number, text) in (1..).zip(&to_do) {
+            out += &paragraph(&format!("{number}. {text}"));
+        }
     }
     if !findings.values.is_empty() {
         let mut rows = vec![VALUE_HEADS.map(String::from).to_vec()];

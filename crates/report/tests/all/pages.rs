@@ -148,8 +148,9 @@ fn the_page_of_a_named_method_shows_values_charts_and_tables() {
     check_page(&page);
     let order = [
         "<h1>",
-        "Values with",
+        "What to do",
         "Errors of B over B",
+        "Values with",
         "Places of the nest",
         "<h2>Tables",
         "Location errors by",
@@ -255,6 +256,7 @@ fn a_method_is_summed_up_and_names_first_what_moves_the_tool_most() {
     let largest = text
         .find("In XY, the direction of axis Y about Z moves the tool most: 60")
         .unwrap_or_else(|| panic!("{text}"));
+    assert!(text.contains("What to do: 1. Ask what is behind it"), "{text}");
     assert!(summary < largest && text.contains("µm over 100 mm), standard uncertainty"), "{text}");
     assert!(findings_html(&findings, "").contains("<h1>Machine , : Bidirectional circular deviation: 6.6"));
 

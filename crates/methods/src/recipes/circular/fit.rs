@@ -25,6 +25,9 @@ const LONGEST_DECAY: f64 = 0.05;
 /// A spike must be this many times its uncertainty: its decay was chosen among many.
 const SPIKE_STANDS_OUT: f64 = 5.0;
 
+/// What is left may be this much more than noise before it says that the list lacks something.
+const NOISE_AND_MORE: f64 = 1.5;
+
 /// Angle (rad) and deviation (mm) in the order of the angle.
 pub(super) type Contour = Vec<(f64, f64)>;
 
@@ -187,6 +190,11 @@ impl<'a> Fitted<'a> {
     /// Share of the variance of the centred trace that the list leaves, 0…1.
     pub fn unexplained(&self) -> f64 {
         (self.left_rms_mm / self.centred_rms_mm.max(f64::MIN_POSITIVE)).powi(2).min(1.0)
+    }
+
+    /// The list lacks something.
+    pub fn leaves_more_than_noise(&self) -> bool {
+        self.left_rms_mm > NOISE_AND_MORE * self.noise_mm
     }
 
     /// What is left beyond the noise of the readings as a circularity: the range of a sine of its rms, 2√2 of it, mm.

@@ -5,19 +5,18 @@ use super::confounded::{Other, Seen, Together};
 use super::fit::{Fitted, FittedError};
 use super::list::ListedKind;
 use super::planes::together;
+use super::to_do::to_do;
 use super::trace::{Speed, Trace, Traces};
 use crate::common::rounding::without;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
 use crate::recipes::{Convention, Method};
 use std::cmp::Ordering::Equal;
 use trunnion_core::convert::um_from_mm;
-use trunnion_core::number::{plain, signed, um};
+use trunnion_core::number::{plain, signed, um_or_less};
 use trunnion_cycles::Run;
 use trunnion_effects::Unit;
 use trunnion_machine::Machine;
 
-/// What is left may be this much more than noise before it says that the list lacks something.
-const NOISE_AND_MORE: f64 = 1.5;
 /// Causes shown for one error of the list, those that may move it most; a page has no room for more.
 const SHOWN_CAUSES: usize = 3;
 
@@ -46,6 +45,7 @@ pub(super) fn findings(
         tables: fits.iter().map(ranking).chain(fits.iter().filter_map(doubts)).collect(),
         charts: fits.iter().flat_map(charts).collect(),
         notes: notes(machine, traces, fits),
+        to_do: to_do(fits),
         ..method.findings(runs, Convention::RightHanded)
     }
 }
@@ -65,10 +65,13 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
     let of_one_way = if fit.iso.g_b_mm.is_some() { ValueKind::Error } else { ValueKind::Summary };
     for (way, g_mm) in &fit.iso.g_mm {
         let (sign, words) = if *way < 0.0 { ("−", "clockwise") } else { ("+", "counter-clockwise") };
-        iso(&format!("G({sign})"), *g_mm, of_one_way, &format!("circular deviation, {words}"));
+        let note = format!("circle in {plane}, out of round {words} (circular deviation)");
+        iso(&format!("G({sign})"), *g_mm, of_one_way, &note);
     }
     if let Some(g_b_mm) = fit.iso.g_b_mm {
-        iso("G(b)", g_b_mm, ValueKind::Summary, "bidirectional circular deviation");
+        let note =
+            format!("circle in {plane}, out of round both ways together (bidirectional circular deviation)");
+        iso("G(b)", g_b_mm, ValueKind::Summary, &note);
     }
     if let Some(d_mm) = fit.iso.d_mm {
         iso("D", d_mm, ValueKind::Error, "mean bidirectional radial deviation");
@@ -78,8 +81,7 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
         iso("F min", low, ValueKind::Error, "radial deviation, smallest");
     }
     let share = fit.unexplained();
-    let lacks = fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm;
-    let verdict = if lacks {
+    let verdict = if fit.leaves_more_than_noise() {
         "more than noise: something is not on the list"
     } else {
         "no more than the noise of the readings"
@@ -91,9 +93,9 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
     let note = format!(
         "{:.1} % of the variance of the trace is left by the whole list, {} rms of {}; noise of the readings {}; {verdict}{shown}",
         100.0 * share,
-        um(um_from_mm(fit.left_rms_mm)),
-        um(um_from_mm(fit.centred_rms_mm)),
-        um(um_from_mm(fit.noise_mm))
+        um_or_less(um_from_mm(fit.left_rms_mm)),
+        um_or_less(um_from_mm(fit.centred_rms_mm)),
+        um_or_less(um_from_mm(fit.noise_mm))
     );
     values.push(FoundValue::new(format!("{plane} unexplained share"), share, Unit::ONE, None).note(note));
     let beyond_mm = fit.unexplained_beyond_noise_mm();
@@ -108,7 +110,11 @@ fn of_plane(fit: &Fitted<'_>) -> Vec<FoundValue> {
         let circularity_um = um_from_mm(error.circularity_mm);
         let doubt = if error.significant() { "" } else { "; below twice its uncertainty" };
         let doubt = format!("{doubt}{}", confounded_with(fit, error));
-        values.push(value.note(format!("makes {}; {}{doubt}", um(circularity_um), error.listed.about)));
+        values.push(value.note(format!(
+            "makes {}; {}{doubt}",
+            um_or_less(circularity_um),
+            error.listed.about
+        )));
     }
     values
 }
@@ -197,7 +203,7 @@ fn doubts(fit: &Fitted<'_>) -> Option<FoundTable> {
 
 impl FittedError {
     /// What a person types into the control, with its sign; for errors that controls take as one number, where they are significant.
-    fn to_enter(&self, trace: &Trace) -> Option<String> {
+    pub(super) fn to_enter(&self, trace: &Trace) -> Option<String> {
         // One way, a servo mismatch and backlash read as squareness, lateral play as scale.
         if !trace.both_ways() {
             return None;
@@ -306,7 +312,7 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
             ));
         }
         notes.extend(fit.drift.iter().map(|drift| format!("{plane}: {}", drift.words())));
-        if fit.left_rms_mm > NOISE_AND_MORE * fit.noise_mm {
+        if fit.leaves_more_than_noise() {
             notes.push(format!(
                 "{plane}: the list does not explain everything. See the chart of the residual: where it is large, and whether both ways agree. \
                  The joint fit and `diagnose` look for what is missing."
