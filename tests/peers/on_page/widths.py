@@ -53,6 +53,10 @@ def readable(tab, where):
         .map((one) => [one.textContent, parseFloat(getComputedStyle(one).fontSize) * one.getScreenCTM().a, one.classList.contains('cell') ? 10 : 11])
         .filter(([, px, least]) => px < least)""")
     check(f"{where}: letters in charts are 11 px high", not small, small[:3])
+    sizes = tab.page.evaluate("""() => [...document.querySelectorAll('#view svg text:not(.cell)')].filter((one) => one.checkVisibility())
+        .map((one) => [parseFloat(getComputedStyle(one).fontSize) * one.getScreenCTM().a, one.textContent])""")
+    ends = [min(sizes), max(sizes)] if sizes else [[1, ""], [1, ""]]
+    check(f"{where}: no chart has letters much larger than the others", ends[1][0] <= 1.35 * ends[0][0], ends)
     scaled = tab.page.evaluate("""() => [...document.querySelectorAll('.map canvas')].filter((one) => one.clientWidth)
         .map((one) => [one.getAttribute('aria-label'), one.width / devicePixelRatio, one.clientWidth]).filter(([, drawn, shown]) => Math.abs(drawn - shown) > 1)""")
     check(f"{where}: drawings are not scaled", not scaled, scaled[:2])
