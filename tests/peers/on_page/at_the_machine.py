@@ -77,7 +77,8 @@ def at_the_machine(browser, folder):
         phone.page.keyboard.press("Enter")
         tab.until("!['Measuring'].includes(document.getElementById('cycle-state').innerText)")
         tab.until("location.hash === '#measure' && ['The cycle is over, a part of it is missing', 'The cycle failed'].includes(document.getElementById('cycle-state')?.innerText)")
-        check("what was read is kept and reported", "Stopped" in tab.text("progress + p"), tab.text("progress + p"))
+        said = tab.text("progress + p")
+        check("what was read is kept and reported", "; aborted; " in said and " read, " in said and "Stopped" not in said, said)
         read_stays_on_the_map(tab)
         until_analysed(floor)
         # Another browser, or this one after another view, begins with an empty map.

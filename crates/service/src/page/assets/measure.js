@@ -140,6 +140,11 @@ function showMap(page) {
   parts.maps.replaceChildren(...(known ? [el("h2", {}, `Poses of ${known.name}`), parts.asOf, parts.map?.figure ?? el("p", { class: "soft" }, "On the fly, or not over two rotary axes: there is no map of poses.")] : []));
 }
 
+// Why a cycle ended, as the service names it.
+const ENDED = {
+  Complete: "every pose was read", ControllerEnded: "the program of the machine ended", NoMotion: "no axis moved for too long", Stopped: "aborted",
+};
+
 function showCycle(cycle) {
   const state = cycle?.state;
   const words = {
@@ -160,7 +165,7 @@ function showCycle(cycle) {
   const texts = [];
   if (state === "measuring" && total) texts.push(`${done} of ${total} poses`);
   if (state === "measuring" && left != null) texts.push(`about ${Math.ceil(left)} s left`);
-  if (over) texts.push(cycle.run, cycle.ended);
+  if (over) texts.push(cycle.run, ENDED[cycle.ended] ?? cycle.ended);
   if (over && cycle.read != null) texts.push(`${cycle.read} read, ${cycle.unsettled} unsettled, ${cycle.missing} missing, ${cycle.gaps} gaps`);
   if (cycle?.why) texts.push(cycle.why);
   parts.left.textContent = texts.filter(Boolean).join("; ");
