@@ -26,6 +26,12 @@ def story_of_one_run(browser, folder):
         places = [next((k for k, head in enumerate(heads) if head.startswith(part)), None) for part in order]
         check("the result has its parts in order", None not in places and places == sorted(places), heads)
         tab.guide("result", height=800)
+        twice = tab.page.evaluate("""() => [...document.querySelectorAll('#view details')].map((part) => {
+            part.open = true;
+            part.dispatchEvent(new Event('toggle'));
+            return part;
+        }).filter((part) => part.querySelector('div h2')).map((part) => [part.querySelector('h2').innerText, part.querySelector('div h2').innerText])""")
+        check("no part that opens has a second heading of its kind", not twice, twice)
         together(tab)
 
         # By mouse, without a name first.

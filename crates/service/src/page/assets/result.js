@@ -34,7 +34,7 @@ function parts(page, story) {
   const section = (id) => story.sections.find((part) => part.id === id)?.html;
   const who = el("input", { id: "who", autocomplete: "name", maxlength: "60", value: remembered() });
   const shown = (id) => section(id) && markup(section(id));
-  const detail = ([id, title]) => section(id) && fold(title, () => markup(section(id)));
+  const detail = ([id, title]) => section(id) && fold(title, () => under(markup(section(id))));
   return [
     el("h1", {}, story.headline),
     el("div", { class: "lead" }, paragraphs(story.wrong)),
@@ -47,7 +47,7 @@ function parts(page, story) {
     el("section", { id: "which" }, el("h2", {}, "Which effect, and why"),
       story.candidates.length || story.removable.length ? el("p", { class: "row" }, el("label", {}, "Your name, kept with what you add or remove", who)) : null,
       candidates(page, story, who)),
-    el("section", {}, el("h2", {}, "The model: what was added"), ladder(page, story, who), ...chart(section("ladder"))),
+    el("section", {}, el("h2", {}, "The model: what was added"), ladder(page, story, who), section("ladder") ? under(markup(section("ladder"))) : null),
     shown("missing"),
     unseen(story),
     ...DETAILS.map(detail).filter(Boolean),
@@ -158,12 +158,11 @@ function methods(run) {
   return [place];
 }
 
-// The chart of the report under our heading.
-function chart(html) {
-  if (!html) return [];
-  const part = markup(html);
-  part.querySelector("h2")?.remove();
-  return [part];
+// A part of the report under our heading: its own says the same, and several divide it.
+function under(part) {
+  const heads = [...part.querySelectorAll("h2")];
+  heads.forEach((head) => (heads.length > 1 ? head.replaceWith(el("h3", {}, head.textContent)) : head.remove()));
+  return part;
 }
 
 function unseen(story) {
