@@ -20,6 +20,7 @@ def what_if(tab, after, before):
     check("and fall when it is on", widths()[0] < 0.6 * max(widths()), widths())
     curves(tab)
     check("and back", abs(shown() - after) < 0.006, shown())
+    selection_on_curves(tab)
     tab.page.uncheck('input[value="low"]')
     check("a setup can be left out", "chosen setups" in tab.text("#rms + p"))
     tab.page.check('input[value="low"]')
@@ -61,6 +62,16 @@ def curves(tab):
     """Two curves laid over each other, for every choice; a finger on a map selects."""
     section = tab.page.locator("#overlay")
     said = lambda: tab.text("#apart")
+    apart = lambda: float(re.search(r"they are ([0-9.]+) µm", said())[1])
+    opened, sizes = apart(), []
+    for choice in tab.page.evaluate("""() => {
+        const values = (id) => [...document.querySelectorAll(`#${id} option`)].map((one) => one.value);
+        return values('against').flatMap((a) => values('along').flatMap((b) => values('of').map((c) => [a, b, c])));
+    }"""):
+        for name, value in zip(["against", "along", "of"], choice):
+            tab.page.select_option(f"#{name}", value)
+        sizes.append(apart())
+    check("two curves open where they are furthest apart", opened == max(sizes) > min(sizes), (opened, sizes))
     texts = set()
     for k, title in enumerate(tab.page.locator("#against option").all_inner_texts()):
         tab.page.select_option("#against", str(k))
@@ -75,6 +86,22 @@ def curves(tab):
         for (const name of ['pointermove', 'click']) on.dispatchEvent(new PointerEvent(name, { bubbles: true, pointerType: 'touch', clientX: x, clientY: y }));
     }""", [box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"]])
     check("a tap on a map selects", "Pose " in tab.text("#selected"), tab.text("#selected").splitlines()[0])
+
+
+def selection_on_curves(tab):
+    """A click on the curves selects a place in all plots, and a row of the table marks its place on the curves."""
+    tab.page.select_option("#along", label="C")
+    curves = tab.page.locator("#overlay .u-over")
+    curves.scroll_into_view_if_needed()
+    box = curves.bounding_box()
+    tab.page.mouse.click(box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"])
+    place = re.search(r"C (−?[0-9.]+°)", tab.text("#places"))
+    check("a click on the curves selects a place", place and f"C {place[1]}" in tab.text("#selected"), (tab.text("#places"), tab.text("#selected")[:200]))
+    check("and the maps mark its cells", "cells are selected" in tab.text(".map canvas + p"), tab.text(".map canvas + p"))
+    tab.page.locator(".map canvas").first.focus()
+    tab.page.keyboard.press("ArrowRight")
+    under = re.search(r"C (−?[0-9.]+°)", tab.text(".map canvas + p"))[1]
+    check("a cell of a map marks its place on the curves", f"C {under}" in tab.text("#places"), (under, tab.text("#places")))
 
 
 def linked(tab):

@@ -24,17 +24,16 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Â
   const figure = el("figure", { class: "map" }, el("figcaption", {}, title, ". ", scaleLine), canvas, under);
   let values = [];
   let limit = 1;
-  let marked = null;
+  // Cells of the selection.
+  let marked = [];
 
   function paint(ctx, width, height) {
     const [w, h] = [wide(width), high(width)];
     grid(ctx, { rows, columns, rowsName, columnsName, left, top: EDGE.top, w, h });
     rows.forEach((_, i) => columns.forEach((_, j) => cell(ctx, left + j * w, EDGE.top + i * h, w, h, values[i]?.[j])));
-    if (marked) {
-      ctx.strokeStyle = colour("--ink");
-      ctx.lineWidth = 3;
-      ctx.strokeRect(left + marked[1] * w + 1, EDGE.top + marked[0] * h + 1, w - 2, h - 2);
-    }
+    ctx.strokeStyle = colour("--ink");
+    ctx.lineWidth = 3;
+    marked.forEach(([i, j]) => ctx.strokeRect(left + j * w + 1, EDGE.top + i * h + 1, w - 2, h - 2));
   }
 
   function cell(ctx, x, y, w, h, value) {
@@ -69,13 +68,17 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Â
     const step = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
     if (!step) return;
     event.preventDefault();
-    const [i, j] = marked ? [marked[0] + step[0], marked[1] + step[1]] : [0, 0];
+    const [i, j] = marked.length ? [marked[0][0] + step[0], marked[0][1] + step[1]] : [0, 0];
     if (rows[i] !== undefined && columns[j] !== undefined) onPoint(i, j);
   });
 
   function say() {
-    if (!marked) return;
-    const [i, j] = marked;
+    if (!marked.length) return;
+    if (marked.length > 1) {
+      under.textContent = `${marked.length} cells are selected.`;
+      return;
+    }
+    const [[i, j]] = marked;
     const value = values[i]?.[j];
     const figures = Number.isFinite(value) ? `${signed(value)} ${unit}` : "nothing was read";
     under.textContent = `${rowsName} ${degrees(rows[i])}, ${columnsName} ${degrees(columns[j])}: ${figures}`;
@@ -90,9 +93,9 @@ export function heatMap({ title, rows, columns, rowsName, columnsName, unit = "Â
       draw();
       say();
     },
-    // Frames a cell, the same in every map.
-    mark(i, j) {
-      marked = [i, j];
+    // Frames cells, the same in every map.
+    mark(cells) {
+      marked = cells;
       draw();
       say();
     },

@@ -16,19 +16,18 @@ export async function make(page) {
   const state = prepare(linear);
   const figure = el("p", { class: "big", role: "status", id: "rms" });
   const remark = el("p", { class: "soft" });
-  // One selection for all plots: a cell of the maps, or a pose.
-  const atCell = (i, j) => {
-    maps.drawn.forEach((map) => map.mark(i, j));
-    poses.choose(linear.points.map((_, k) => k).filter((k) => maps.where[k][0] === i && maps.where[k][1] === j));
+  // One selection for all plots: a cell of the maps, a pose, or a place of the two curves.
+  const choose = (chosen, cells) => {
+    maps?.drawn.forEach((map) => map.mark(cells));
+    curves?.mark(chosen);
+    poses.choose(chosen);
   };
-  const atPose = (k) => {
-    maps?.drawn.forEach((map) => map.mark(...maps.where[k]));
-    poses.choose([k]);
-  };
+  const atCell = (i, j) => choose(linear.points.map((_, k) => k).filter((k) => maps.where[k][0] === i && maps.where[k][1] === j), [[i, j]]);
+  const atPoses = (chosen) => choose(chosen, maps ? [...new Map(chosen.map((k) => [String(maps.where[k]), maps.where[k]])).values()] : []);
   const maps = mapsOf(state, atCell);
-  const poses = posesOf(state, atPose);
+  const poses = posesOf(state, (k) => atPoses([k]));
   const bars = residualBars(state);
-  const curves = overlay(state);
+  const curves = overlay(state, atPoses);
   const update = () => compute(state, { figure, remark, maps, poses, bars, curves });
   const parts = [
     el("h1", {}, "What if"),
