@@ -14,7 +14,7 @@ export async function make(page) {
   const history = await calls.history();
   const watched = history.watched.filter(({ name }) => name !== "rms");
   const alarms = new Set(history.runs.at(-1)?.alarms);
-  const option = (one) => el("option", { value: one.name, selected: alarms.has(one.name) }, alarms.has(one.name) ? `${titleOf(one)}: outside its limits` : titleOf(one));
+  const option = (one) => el("option", { value: one.name, selected: alarms.has(one.name) }, alarms.has(one.name) ? `Outside its limits: ${titleOf(one)}` : titleOf(one));
   const chosen = el("select", { id: "parameter" }, watched.map(option));
   const charts = el("div", {});
   const redraw = () => charts.replaceChildren(...draw(history, chosen.value));

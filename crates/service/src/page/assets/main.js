@@ -18,10 +18,18 @@ let shown = 0;
 async function reload() {
   page.runs = (await calls.runs()).runs;
   if (!page.runs.some((line) => line.name === page.run)) page.run = analysed() ?? page.runs.at(-1)?.name ?? null;
-  const options = page.runs.map((line) => el("option", { value: line.name, selected: line.name === page.run }, line.name));
+  const options = page.runs.map((line) => el("option", { value: line.name, selected: line.name === page.run }, titleOf(line.name)));
   select.replaceChildren(...options);
   select.disabled = page.runs.length < 2;
   select.parentElement.hidden = !page.runs.length;
+}
+
+// Of a name that ends with a moment the moment stands first: a phone shows how a line begins, and runs of one day differ at the end.
+function titleOf(name) {
+  const [, cycle, date, time, more] = /^(.+)-(\d{8})T(\d{6})Z(-\d+)?$/.exec(name) ?? [];
+  if (!cycle) return name;
+  const day = date.replace(/(....)(..)(..)/, "$1-$2-$3");
+  return `${day} ${time.replace(/(..)(..)(..)/, "$1:$2:$3")} UTC ${cycle}${more ?? ""}`;
 }
 
 // The run that the service analysed last.
