@@ -17,7 +17,7 @@ let shown = 0;
 
 async function reload() {
   page.runs = (await calls.runs()).runs;
-  if (!page.runs.some((line) => line.name === page.run)) page.run = analysed() ?? page.runs.at(-1)?.name ?? null;
+  if (!page.runs.some((line) => line.name === page.run)) page.run = newest();
   const options = page.runs.map((line) => el("option", { value: line.name, selected: line.name === page.run }, titleOf(line.name)));
   select.replaceChildren(...options);
   select.disabled = page.runs.length < 2;
@@ -30,6 +30,12 @@ function titleOf(name) {
   if (!cycle) return name;
   const day = date.replace(/(....)(..)(..)/, "$1-$2-$3");
   return `${day} ${time.replace(/(..)(..)(..)/, "$1:$2:$3")} UTC ${cycle}${more ?? ""}`;
+}
+
+// The run that was measured last; not that which was analysed last, as those that wait are analysed newest first.
+function newest() {
+  const readable = page.runs.findLast((line) => !line.trouble && !line.removed);
+  return (readable ?? page.runs.at(-1))?.name ?? null;
 }
 
 // The run that the service analysed last.
