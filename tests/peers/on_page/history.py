@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import re
 import time
 
 from checks import check, trunnion
@@ -44,6 +45,7 @@ def alarmed(browser, folder):
         tab.view("measure")
         tab.until("document.getElementById('service')?.innerText.includes('5 runs')")
         check("the disk is on the page", "GB free" in tab.text("#service"), tab.text("#service").replace("\n", " "))
+        stays_while_another_run_ends(floor, tab, phone)
         tab.close()
         phone.close()
 
@@ -56,6 +58,38 @@ def until_all_analysed(floor, count):
         if time.monotonic() > end:
             check(f"{count} runs are analysed", False, states())
         time.sleep(0.2)
+
+
+def stays_while_another_run_ends(floor, tab, phone):
+    """Whoever asks what if of day 3 stays there, with what is switched, while a cycle ends; the new run is offered."""
+    tab.view("what-if")
+    tab.page.select_option("#run", "day-3")
+    tab.ready()
+    tab.page.wait_for_selector("#rms")
+    box = tab.page.locator('input[value="low"]')
+    box.uncheck()
+    phone.view("measure")
+    phone.page.select_option("#choose", "demo-static")
+    phone.until("document.getElementById('choose').value === 'demo-static'")
+    phone.page.click("#begin")
+    phone.until("document.querySelector('#view progress').value > 3")
+    phone.page.focus("#abort")
+    phone.page.keyboard.press("Enter")
+    phone.page.keyboard.press("Enter")
+    tab.until("!document.getElementById('news').hidden")
+    said = tab.text("#news")
+    check("the run that was analysed is offered", re.search(r"Run demo-static-\S+ was analysed\.", said) and "Show it" in said, said)
+    check("the page stays at the run that is read, with its choices", tab.page.input_value("#run") == "day-3" and not box.is_checked(), tab.page.input_value("#run"))
+    line = tab.page.locator("#run option").last.inner_text()
+    check("in the list the moment of a run stands first", re.fullmatch(r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d UTC demo-static", line), line)
+    wide = phone.page.locator("#run").bounding_box()["width"]
+    check("and a phone has room for it", wide > 280, wide)
+    phone.picture("news-390")
+    tab.picture("news-1280")
+    tab.page.get_by_role("button", name="Show it").click()
+    tab.until("location.hash === '#result' && document.getElementById('run').value.startsWith('demo-static')")
+    tab.ready()
+    check("a press shows it", tab.page.locator("#news").is_hidden(), tab.text("h1"))
 
 
 def history(browser, folder):

@@ -13,6 +13,7 @@ const views = { "set-up": setUp, result, measure, "what-if": whatIf, history };
 const page = { status: null, runs: [], run: null, topics: {}, show, choose, reload };
 const place = document.getElementById("view");
 const select = document.getElementById("run");
+const news = document.getElementById("news");
 let shown = 0;
 
 async function reload() {
@@ -47,7 +48,30 @@ function analysed() {
 function choose(name) {
   page.run = name;
   select.value = name;
+  news.hidden = true;
   show();
+}
+
+// Views of one run or of all: who reads them has made choices there.
+const READ = ["result", "what-if", "history"];
+
+// Another run was analysed: who reads one stays there and is offered the other.
+async function follow(view) {
+  const read = READ.includes(view) ? page.run : null;
+  await reload();
+  const name = analysed();
+  if (!name) return;
+  if (!read || (read === name && view === "result")) {
+    choose(name);
+    return;
+  }
+  const button = el("button", { type: "button" }, "Show it");
+  button.addEventListener("click", () => {
+    choose(name);
+    location.hash = "#result";
+  });
+  news.replaceChildren(`Run ${name} was analysed. `, button);
+  news.hidden = false;
 }
 
 async function show() {
@@ -100,16 +124,11 @@ async function take(topic, value) {
   const view = document.querySelector("nav a[aria-current]")?.dataset.view;
   views[view]?.changed?.(page, topic);
   // What is sent on connecting is what the page was made with.
-  const news = JSON.stringify(before) !== JSON.stringify(value);
-  if (topic === "result" && news) {
-    await reload();
-    page.run = analysed() ?? page.run;
-    select.value = page.run;
-    show();
-  }
+  const isNew = JSON.stringify(before) !== JSON.stringify(value);
+  if (topic === "result" && isNew) await follow(view);
   if (topic === "model" && value.effect === page.changing) {
     page.changing = null;
-  } else if (topic === "model" && news && value.run === page.run) {
+  } else if (topic === "model" && isNew && value.run === page.run) {
     notice(`${value.effect} was ${value.state} in another window.`);
     if (view !== "measure") show();
   }
