@@ -231,8 +231,14 @@ fn what_to_enter_has_the_sign_that_takes_the_error_away() {
     assert!(texts.contains(&Cell::Text("backlash compensation of X: add +4.0 µm".into())), "{texts:?}");
     assert_eq!(texts.iter().filter(|cell| matches!(cell, Cell::Text(_))).count(), 1, "{texts:?}");
     let [look, .., enter] = &found.to_do[..] else { panic!("{:?}", found.to_do) };
-    assert!(look.starts_with("Look for backlash X: alone it makes ") && look.contains("Likely cause: "), "{look}");
-    assert!(enter.contains("backlash compensation of X: add +4.0 µm") && enter.contains("a wrong sign"), "{enter}");
+    assert!(
+        look.starts_with("Look for backlash X: alone it makes ") && look.contains("Likely cause: "),
+        "{look}"
+    );
+    assert!(
+        enter.contains("backlash compensation of X: add +4.0 µm") && enter.contains("a wrong sign"),
+        "{enter}"
+    );
 }
 
 #[test]

@@ -42,8 +42,12 @@ pub fn before_and_after(spectra: &SpectraBeforeAfter) -> String {
         let title = format!("Residual along {}, before and after", before.axis);
         Some(drawn(&title, before, &series, 1))
     };
-    let charts: String =
-        spectra.before.iter().filter(|axis| !axis.waves.is_empty() || !axis.judged).filter_map(chart).collect();
+    let charts: String = spectra
+        .before
+        .iter()
+        .filter(|axis| !axis.waves.is_empty() || !axis.judged)
+        .filter_map(chart)
+        .collect();
     match charts.is_empty() {
         true => charts,
         false => format!(

@@ -316,7 +316,10 @@ fn what_nobody_recorded_is_said_and_not_invented() {
     (constant.lowest_degc, constant.mean_degc, constant.highest_degc) = (20.01, 20.02, 20.04);
     let page = report_html(&unknown, Language::English);
     assert!(page.contains("<div>bed: 20.0 °C</div>"), "a temperature that stays is one number");
-    assert!(page.contains("<title>Trunnion report: table-bc · 2026-03-02</title>"), "no dash for a number that nobody gave");
+    assert!(
+        page.contains("<title>Trunnion report: table-bc · 2026-03-02</title>"),
+        "no dash for a number that nobody gave"
+    );
     unknown.identity.runs[0].temperatures.clear();
     unknown.conformity = None;
     let page = report_html(&unknown, Language::English);
