@@ -52,6 +52,21 @@ def printed(pdf, first_page):
     check("the head of the long table repeats", len(heads) >= 3, heads)
 
 
+def filled(document):
+    """No page ends half way up, but the last one and the one before the annex; maps are on the page of their heading and scale."""
+    said = [words(page) for page in document]
+    annex = next(number for number, text in enumerate(said) if text.startswith("Annex: every table"))
+    for number, page in enumerate(document):
+        if number + 1 in (annex, len(said)):
+            continue
+        foot = page.rect.height - 51
+        marks = [block[3] for block in page.get_text("blocks")] + [drawing["rect"].y1 for drawing in page.get_drawings()]
+        lowest = max(mark for mark in marks if mark < foot)
+        check(f"page {number + 1} is not left half empty", lowest > 0.5 * page.rect.height, f"{lowest:.0f} of {page.rect.height:.0f} pt")
+    alone = [number + 1 for number, text in enumerate(said) if "Residual before and after" in text and "— before" not in text]
+    check("maps before and after are on the page of their heading", not alone, alone)
+
+
 def schema():
     try:
         copy = os.environ.get("DCC_XSD")
@@ -131,6 +146,9 @@ with tempfile.TemporaryDirectory() as temporary:
     common = ["report", run, "--model", model, "--tolerance-um", "12", "--operator", "Ada", "--serial", "SN 7"]
     trunnion(*common, "-o", folder / "en.html", "--pdf", folder / "en.pdf", "--dcc", folder / "en.xml", "--measured", "2026-02-28", "--country", "DE")
     printed(folder / "en.pdf", ["The model now explains this machine", "SN 7", "Ada", "fail", "pass", "What to do", "How sure", "0.94 µm", "0.34 µm"])
+    filled(pymupdf.open(folder / "en.pdf"))
+    trunnion("report", run, "-o", folder / "before.html", "--pdf", folder / "before.pdf")
+    filled(pymupdf.open(folder / "before.pdf"))
     rules = schema()
     certified(valid(folder / "en.xml", rules))
     german = ["--language", "de", "--dcc", folder / "de.xml", "--measured", "2026-02-28", "--country", "DE"]
