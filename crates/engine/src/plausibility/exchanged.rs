@@ -67,16 +67,15 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     }
     let alone = Trial { looked, run, experiment, model };
     let tried = alone.all(before_um >= GROSS_UM);
-    alone.believed(tried.clone(), before_um, gross_um, repeated, "").or_else(|| {
-        let model = &model.with_an_effect(experiment);
+    let mostly = tried.iter().filter(|((_, left_mm), _)| MOSTLY * um_from_mm(*left_mm) < before_um);
+    let mostly: Vec<String> = mostly.map(|((words, _), _)| words.clone()).collect();
+    alone.believed(tried, before_um, gross_um, repeated, "").or_else(|| {
+        let is_one = |((words, _), _): &(Tried, &str)| mostly.contains(words);
+        // Of good runs there is none, which saves the time of trying all again.
+        let model = &(!mostly.is_empty()).then(|| model.with_an_effect(experiment))?;
         let with_effect = Trial { looked, run, experiment, model };
-        let mostly = |((words, _), _): &(Tried, &str)| {
-            let of_base = tried.iter().find(|((other, _), _)| other == words);
-            of_base.is_some_and(|((_, left_mm), _)| MOSTLY * um_from_mm(*left_mm) < before_um)
-        };
-        let tried_again = with_effect.all(before_um >= GROSS_UM).into_iter().filter(mostly).collect();
-        let besides = ", and an effect of one axis besides";
-        with_effect.believed(tried_again, before_um, gross_um, repeated, besides)
+        let tried = with_effect.all(before_um >= GROSS_UM).into_iter().filter(is_one).collect();
+        with_effect.believed(tried, before_um, gross_um, repeated, ", and an effect of one axis besides")
     })
 }
 
