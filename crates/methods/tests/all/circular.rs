@@ -232,7 +232,9 @@ fn what_to_enter_has_the_sign_that_takes_the_error_away() {
     assert_eq!(texts.iter().filter(|cell| matches!(cell, Cell::Text(_))).count(), 1, "{texts:?}");
     let [look, .., enter] = &found.to_do[..] else { panic!("{:?}", found.to_do) };
     assert!(
-        look.starts_with("Look for backlash X: alone it makes ") && look.contains("Likely cause: "),
+        look.starts_with("Look for: Backlash")
+            && look.contains("(backlash X). Alone it makes ")
+            && look.contains("Likely cause: "),
         "{look}"
     );
     assert!(

@@ -25,10 +25,11 @@ pub(super) fn to_do(fits: &[Fitted<'_>]) -> Vec<String> {
             continue;
         }
         named.push(name);
-        let cause = error.listed.kind.phenomenon().and_then(effect);
-        let cause = cause.map_or(String::new(), |effect| format!(" Likely cause: {}", effect.about.cause));
+        let about = error.listed.kind.phenomenon().and_then(effect).map(|effect| &effect.about);
+        let what = about.map_or(name.into(), |about| format!("{} ({name})", about.title));
+        let cause = about.map_or(String::new(), |about| format!(" Likely cause: {}", about.cause));
         to_do.push(format!(
-            "Look for {name}: alone it makes {} of the circle in {}.{cause}",
+            "Look for: {what}. Alone it makes {} of the circle in {}.{cause}",
             um_or_less(um_from_mm(error.circularity_mm)),
             fit.trace.name
         ));
