@@ -1,6 +1,5 @@
 //! What was added to the model, said as long as it is in it: how far the error fell, how large it is, its likely cause, who added it.
 
-use crate::certainty::confounded;
 use crate::number::{MISSING, value_and_u};
 use trunnion_results::sentences::{about, effect_name, evidence_words, goes};
 use trunnion_results::{Comparison, Identification, Ladder, LadderRow, LeftOut, Parameter, Trial};
@@ -60,6 +59,13 @@ pub(crate) fn as_found(trial: &Trial, row: &LadderRow) -> Vec<String> {
     said.push(format!("With it the residual {} rms.", goes(before, after)));
     said.extend(held_out(row));
     said
+}
+
+/// What the data do not distinguish from an effect.
+pub(crate) fn confounded(effect: &str, rivals: &[String]) -> Option<String> {
+    let names: Vec<_> = rivals.iter().map(|id| effect_name(id)).collect();
+    (!names.is_empty())
+        .then(|| format!("In these data {} is confounded with {}.", effect_name(effect), names.join("; ")))
 }
 
 /// Who added it, and when; a dash where nobody gave a name.

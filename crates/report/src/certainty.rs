@@ -95,14 +95,7 @@ fn held_out(diagnosis: &Diagnosis, after_um: Option<f64>) -> Option<String> {
 }
 
 fn rivals(best: &Candidate) -> Option<String> {
-    confounded(&best.effect, &best.confused_with)
-}
-
-/// What the data do not distinguish from an effect.
-pub(crate) fn confounded(effect: &str, rivals: &[String]) -> Option<String> {
-    let names: Vec<_> = rivals.iter().map(|id| effect_name(id)).collect();
-    (!names.is_empty())
-        .then(|| format!("In these data {} is confounded with {}.", effect_name(effect), names.join("; ")))
+    added::confounded(&best.effect, &best.confused_with)
 }
 
 /// What to measure next; empty when nothing is asked for.

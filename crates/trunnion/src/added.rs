@@ -1,10 +1,10 @@
 //! What was found before each effect of a model was added. The model file keeps who added it and why; the fits without and with it are
 //! made again of the runs that are looked at.
 
-use crate::compared::trial;
 use crate::{Error, Fit};
-use trunnion_effects::Model;
 use trunnion_effects::catalogue::BASE;
+use trunnion_effects::{Model, ModelEffect};
+use trunnion_engine::spectrum::spectra;
 use trunnion_results as results;
 
 /// The fits without and with what each act added, on top of what was in the model before it; `now` is the diagnosis of the whole model.
@@ -30,4 +30,24 @@ pub(crate) fn trials(fit: &Fit, now: &results::Diagnosis) -> Result<Vec<results:
         before = Some(with);
     }
     Ok(trials)
+}
+
+/// What a fit leaves along each axis, by period.
+pub(crate) fn spectra_of(fit: &Fit) -> Vec<results::AxisSpectrum> {
+    spectra(&fit.problem()).iter().flatten().map(results::AxisSpectrum::from).collect()
+}
+
+/// The fits without and with what was added; `then` is the diagnosis of the model with it.
+pub(crate) fn trial(
+    whole: &ModelEffect,
+    entries: &[ModelEffect],
+    fits: [&Fit; 2],
+    then: Option<&results::Diagnosis>,
+) -> results::Trial {
+    let points = fits[1].experiment().points();
+    let mut answer = results::Trial::new(points, whole, entries, fits.map(Fit::identification), then);
+    let [before, after] = fits.map(spectra_of);
+    answer.spectra = results::SpectraBeforeAfter { before, after };
+    answer.identification.doubts = fits[1].doubts();
+    answer
 }

@@ -3,9 +3,7 @@
 use crate::analysis::FormulaText;
 use crate::{Diagnosed, Error, Fit, Step, added, page};
 use trunnion_core::chain;
-use trunnion_effects::ModelEffect;
 use trunnion_effects::catalogue::BASE;
-use trunnion_engine::spectrum::spectra;
 use trunnion_results as results;
 
 /// The residual of a fit, with what is missing from its model.
@@ -43,7 +41,7 @@ impl Diagnosed {
         let (fit, diagnosis) = (self.fit(), self.results());
         let (spectra, added) = match diagnosis.verdict {
             results::Verdict::NotJudged => (Vec::new(), Ok(Vec::new())),
-            _ => (spectra_of(fit), added::trials(fit, &diagnosis)),
+            _ => (added::spectra_of(fit), added::trials(fit, &diagnosis)),
         };
         let correctable = fit.correctable();
         let left_out = [
@@ -138,26 +136,6 @@ impl Compared {
 const CORRECTABLE: &str = "What could be entered into the control";
 const ADDED: &str = "What was found before an effect was added";
 
-/// What a fit leaves along each axis, by period.
-fn spectra_of(fit: &Fit) -> Vec<results::AxisSpectrum> {
-    spectra(&fit.problem()).iter().flatten().map(results::AxisSpectrum::from).collect()
-}
-
-/// The fits without and with what was added; `then` is the diagnosis of the model with it.
-pub(crate) fn trial(
-    whole: &ModelEffect,
-    entries: &[ModelEffect],
-    fits: [&Fit; 2],
-    then: Option<&results::Diagnosis>,
-) -> results::Trial {
-    let points = fits[1].experiment().points();
-    let mut answer = results::Trial::new(points, whole, entries, fits.map(Fit::identification), then);
-    let [before, after] = fits.map(spectra_of);
-    answer.spectra = results::SpectraBeforeAfter { before, after };
-    answer.identification.doubts = fits[1].doubts();
-    answer
-}
-
 pub(crate) fn left_out(what: &str, error: &Error) -> String {
     format!("{what} is left out, because it failed: {}.", chain(error))
 }
@@ -166,7 +144,7 @@ impl Trial {
     fn of(step: &Step) -> Result<Self, Error> {
         let then = Diagnosed::without_plan(step.fit())?.results();
         let fits = [step.before(), step.fit()];
-        Ok(Self { answer: trial(step.whole_entry(), step.entries(), fits, Some(&then)) })
+        Ok(Self { answer: added::trial(step.whole_entry(), step.entries(), fits, Some(&then)) })
     }
 
     /// The answer: `trunnion-trial/1`.
