@@ -208,7 +208,7 @@ fn what_no_run_shows_makes_the_figure_a_lower_bound_and_is_named() {
     assert!(value(&both, "range-x").0 > value(&alone, "range-x").0);
     // A range that was not measured is refused with what is allowed.
     for (volume, says) in
-        [("X=-300..300", "-240..240"), ("Q=1..2", "allowed: X, Y, Z, B, C"), ("A=0..10", "allowed: ")]
+        [("X=-300..300", "−240..240"), ("Q=1..2", "allowed: X, Y, Z, B, C"), ("A=0..10", "allowed: ")]
     {
         let output = trunnion(&["volumetric", &tracker, "--model", &model, "--volume", volume]);
         let error = String::from_utf8_lossy(&output.stderr).into_owned();

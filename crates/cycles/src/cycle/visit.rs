@@ -140,7 +140,7 @@ impl Cycle {
 
     /// # Errors
     /// An axis of the cycle that the machine has not.
-    pub(super) fn has_its_axes(&self, machine: &Machine) -> Result<(), VisitError> {
+    pub(crate) fn has_its_axes(&self, machine: &Machine) -> Result<(), VisitError> {
         let moved: Vec<Joint> = match &self.motion {
             Motion::Static { .. } => self.grid(machine).iter().map(|axis| axis.letter).collect(),
             Motion::Line { .. } => Joint::LINEAR.to_vec(),

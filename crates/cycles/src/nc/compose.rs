@@ -22,6 +22,7 @@ impl Program {
     /// # Errors
     /// A cycle that the machine cannot run; with tool centre point control one without rotary axes.
     pub fn of_cycle(cycle: &Cycle, machine: &Machine, rules: &CourseRules) -> Result<Self, VisitError> {
+        cycle.has_its_axes(machine)?;
         if Joint::LINEAR.iter().any(|&letter| machine.axis(letter).is_none()) {
             let what = "its machine has linear joints other than X, Y and Z";
             return Err(VisitError::NoCourse { cycle: cycle.name.clone(), what });
