@@ -105,7 +105,7 @@ fn a_log_that_is_no_screen_has_no_colours() {
         &three_probes::devices(folder.path(), three_probes::SILENCE_MS),
         "[cycle_start]\nby = \"motion\"\n",
     ];
-    let file = written(folder.path(), "trunnion.toml", &config.map(|part| part.as_ref() as &str).concat());
+    let file = written(folder.path(), "trunnion.toml", &config.concat());
     let cycle = include_str!("../../config/cycles/demo-static.toml");
     written(folder.path(), "c.toml", cycle);
     let log = folder.path().join("log.txt");
