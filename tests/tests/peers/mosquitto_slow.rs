@@ -69,8 +69,7 @@ async fn a_broker_behind_a_slow_line_gets_the_latest_of_every_topic() {
             assert!(status.devices.values().all(|device| device.lost_messages == 0), "{:?}", status.devices);
             status.health.unwrap().parts["broker"].state == Condition::Good && status.devices.len() == 3
         };
-        ["a", "b", "c", "d"].iter().all(is_latest)
-            && topics.get("trunnion/m/status").is_some_and(is_well)
+        ["a", "b", "c", "d"].iter().all(is_latest) && topics.get("trunnion/m/status").is_some_and(is_well)
     })
     .await;
     let said = log.text();

@@ -54,7 +54,7 @@ const APART: &str = "Change none of these rows: take them out and import them as
 /// And about readings that did not wait for the probes: the settled ones are nowhere in the file.
 const DWELL: &str = "Measure again with a longer dwell.";
 
-/// The mistake with which readings and positions belong together; of a machine that lacks another effect besides, next to whichever effect of one
+/// The mistake with which readings and positions belong together; of a machine that lacks another effect too, next to whichever effect of one
 /// axis leaves the least.
 pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     let Looked { run, experiment, model, .. } = looked;
@@ -75,7 +75,7 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
         let model = &(!mostly.is_empty()).then(|| model.with_an_effect(experiment))?;
         let with_effect = Trial { looked, run, experiment, model };
         let tried = with_effect.all(before_um >= GROSS_UM).into_iter().filter(is_one).collect();
-        with_effect.believed(tried, before_um, gross_um, repeated, ", and an effect of one axis besides")
+        with_effect.believed(tried, before_um, gross_um, repeated, ", and one more effect of an axis")
     })
 }
 
@@ -131,7 +131,7 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// The mistake of those `tried` that is believed. `before_um`: what the base model alone leaves of the readings as they are; `besides`: what else the model of the
+    /// The mistake of those `tried` that is believed. `before_um`: what the base model alone leaves of the readings as they are; `next_to`: what else the model of the
     /// trial has, in words.
     fn believed(
         &self,
@@ -139,7 +139,7 @@ impl Trial<'_> {
         before_um: f64,
         gross_um: f64,
         repeated: Option<Repeatability>,
-        besides: &str,
+        next_to: &str,
     ) -> Option<Implausible> {
         let as_given_mm = self.model.rms_mm(&self.experiment.readings_mm());
         let least_mm = tried.iter().map(|((_, left_mm), _)| *left_mm).fold(f64::INFINITY, f64::min);
@@ -153,14 +153,14 @@ impl Trial<'_> {
                 (_, Some(of)) if left_um >= gross_um => {
                     let repeats_um = um_from_mm(of.sigma_mm);
                     format!(
-                        "With {mistake}{besides}, {left_um:.1} µm are left, and readings of one pose repeat within {repeats_um:.2} µm: no full explanation. \
+                        "With {mistake}{next_to}, {left_um:.1} µm are left, and readings of one pose repeat within {repeats_um:.2} µm: no full explanation. \
                          Look for another mistake, alone or with it, before you change anything."
                     )
                 }
                 (Some((mirror, distinguished_by)), _) => {
-                    format!("With {mistake}, or {mirror}{besides}, {left_um:.1} µm are left. {distinguished_by}")
+                    format!("With {mistake}, or {mirror}{next_to}, {left_um:.1} µm are left. {distinguished_by}")
                 }
-                (None, _) => format!("With {mistake}{besides}, {left_um:.1} µm are left. {to_do}"),
+                (None, _) => format!("With {mistake}{next_to}, {left_um:.1} µm are left. {to_do}"),
             };
             Implausible {
                 finding: format!(

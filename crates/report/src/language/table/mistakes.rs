@@ -41,7 +41,7 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     // Readings that do not fit their positions.
     ["{}: the readings do not fit their positions: {} µm rms are left.", "{}: Die Messwerte passen nicht zu ihren Positionen: Es bleiben {} µm rms.", "{}：読みが位置と合わない。{} µm rms が残る。"],
     ["{}: the readings do not fit their positions: {} µm rms are left, and they repeat within {} µm.", "{}: Die Messwerte passen nicht zu ihren Positionen: Es bleiben {} µm rms, bei einer Wiederholung innerhalb {} µm.", "{}：読みが位置と合わない。{} µm rms が残り、繰返しは {} µm 以内である。"],
-    ["{}, and an effect of one axis besides", "{}, und dazu ein Effekt einer Achse", "{}、さらに一軸の効果"],
+    ["{}, and one more effect of an axis", "{}, und ein weiterer Effekt einer Achse", "{}、さらに一軸の効果一つ"],
     ["{}: readings of one pose repeat within {} µm, worse than with other poses.", "{}: Messwerte einer Stellung wiederholen sich innerhalb {} µm, schlechter als bei anderen Stellungen.", "{}：同じ姿勢の読みの繰返しは {} µm で、別の姿勢に対応させた場合より悪い。"],
     ["With {}, they repeat within {} µm.", "Annahme: {}. Dann wiederholen sie sich innerhalb {} µm.", "仮定「{}」では {} µm 以内で繰り返す。"],
     ["With {}, {} µm are left.", "Annahme: {}. Dann bleiben {} µm.", "仮定「{}」では {} µm が残る。"],

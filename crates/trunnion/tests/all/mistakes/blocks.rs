@@ -97,7 +97,7 @@ pub const BLOCKS: [ProbeMistake; 10] = [
             f.lacks("linear-scale:Y", 30.0);
             f.readings(|[x, y, z]| [x, -y, z]);
         },
-        &["the sign of the readings dy reversed", "and an effect of one axis besides, 0.3 µm are left"],
+        &["the sign of the readings dy reversed", "and one more effect of an axis, 0.3 µm are left"],
     ),
     (
         "all readings one pose late, on a machine that lacks two effects",
