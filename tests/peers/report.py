@@ -55,7 +55,7 @@ def printed(pdf, first_page):
 def filled(document):
     """No page ends half way up, but the last one and the one before the annex; maps are on the page of their heading and scale."""
     said = [words(page) for page in document]
-    annex = next(number for number, text in enumerate(said) if text.startswith("Annex: every table"))
+    annex = next(number for number, text in enumerate(said) if "Annex: every table" in text)
     for number, page in enumerate(document):
         if number + 1 in (annex, len(said)):
             continue
