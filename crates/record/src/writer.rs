@@ -52,10 +52,8 @@ pub struct Recorder {
     missing: Option<Missing>,
     retry_at: HostTime,
     why_failed: String,
-    /// The same, while nothing can be written.
+    /// The same as it happened, while nothing can be written.
     failure: Option<RecordError>,
-    /// The failure that was logged last.
-    reported: Option<String>,
     ring: VecDeque<(Encoded, u64)>,
     ring_bytes: usize,
     lost: Option<Gap>,
@@ -94,7 +92,6 @@ impl Recorder {
             retry_at: header.host_start,
             why_failed: String::new(),
             failure: None,
-            reported: None,
             ring: VecDeque::new(),
             ring_bytes: 0,
             lost: None,
@@ -320,9 +317,8 @@ impl Recorder {
     fn failed(&mut self, error: RecordError, now: HostTime) {
         let why = chain(&error);
         // It is tried again every second: reported once, and again when the reason is another.
-        if self.reported.as_ref() != Some(&why) {
+        if self.failure.as_ref().is_none_or(|last| chain(last) != why) {
             tracing::error!("recording interrupted, kept in memory: {why}");
-            self.reported = Some(why.clone());
         }
         self.why_failed = why;
         self.failure = Some(error);
@@ -361,7 +357,7 @@ impl Recorder {
         }
         self.settle_missing();
         tracing::info!("recording goes on in a new file");
-        (self.reported, self.failure) = (None, None);
+        self.failure = None;
         let text = format!("a new file was begun after: {}", self.why_failed);
         let resumed = Event { time_s: self.latest_s, kind: "recording-resumed".into(), text };
         let publish = wall_time(&self.header, now.seconds_since(self.header.host_start));
