@@ -47,32 +47,57 @@ pub(crate) fn mounted(runs: &[Run]) -> Vec<Mounted<'_>> {
     all
 }
 
-/// Why parts of the runs were left out, `setup low: read by an R-test`, in one list: a reason of several parts is said once.
-pub(crate) fn reasons(left_out: &[String]) -> String {
-    let mut once: Vec<(&str, &str, Vec<&str>)> = Vec::new();
+/// A part of the runs that a method does not take, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LeftOut {
+    /// `setup`, or `run`.
+    noun: &'static str,
+    name: String,
+    why: String,
+}
+
+impl LeftOut {
+    /// `why`: a part of a sentence, `read by an R-test`.
+    pub fn setup(name: String, why: impl Into<String>) -> Self {
+        Self { noun: "setup", name, why: why.into() }
+    }
+
+    /// A whole run.
+    pub fn run(name: String, why: impl Into<String>) -> Self {
+        Self { noun: "run", name, why: why.into() }
+    }
+}
+
+/// Why parts of the runs were left out, in one list: a reason of several is said once.
+pub(crate) fn reasons(left_out: &[LeftOut]) -> String {
+    let mut once: Vec<(&LeftOut, Vec<&str>)> = Vec::new();
     for left in left_out {
-        let (part, why) = left.split_once(": ").unwrap_or((left, ""));
-        let (noun, name) = part.split_once(' ').unwrap_or((part, ""));
-        match once.iter_mut().find(|(of, for_what, _)| *of == noun && *for_what == why) {
-            Some((.., names)) => names.push(name),
-            None => once.push((noun, why, vec![name])),
+        match once.iter_mut().find(|(other, _)| (other.noun, &other.why) == (left.noun, &left.why)) {
+            Some((_, names)) => names.push(&left.name),
+            None => once.push((left, vec![&left.name])),
         }
     }
-    let said = |(noun, why, names): &(&str, &str, Vec<&str>)| {
-        let (last, others) = names.split_last().unwrap_or((&"", &[]));
-        match others.is_empty() {
-            true => format!("{noun} {last}: {why}"),
-            false => format!("{noun}s {} and {last}: {why}", others.join(", ")),
+    let said = |(LeftOut { noun, name, why }, names): &(&LeftOut, Vec<&str>)| match names.split_last() {
+        Some((last, others)) if !others.is_empty() => {
+            format!("{noun}s {} and {last}: {why}", others.join(", "))
         }
+        _ => format!("{noun} {name}: {why}"),
     };
-    once.iter().map(said).collect::<Vec<_>>().join("; ")
+    match once.is_empty() {
+        true => "no readings".into(),
+        false => once.iter().map(said).collect::<Vec<_>>().join("; "),
+    }
+}
+
+/// The same for the notes of findings, one sentence each.
+pub(crate) fn left_out_notes(left_out: &[LeftOut]) -> impl Iterator<Item = String> + '_ {
+    left_out.iter().map(|LeftOut { noun, name, why }| format!("Left out: {noun} {name}: {why}."))
 }
 
 /// What a method recognised, setup by setup.
 pub(crate) struct Recognised<T> {
     pub all: Vec<T>,
-    /// What was left out, one sentence each.
-    pub left_out: Vec<String>,
+    pub left_out: Vec<LeftOut>,
 }
 
 impl<T> Recognised<T> {
@@ -91,19 +116,13 @@ impl<T> Recognised<T> {
         for mounted in mounted(runs) {
             match of(&mounted, &found.all) {
                 Ok(one) => found.all.push(one),
-                Err(why) => found.left_out.push(format!("setup {}: {why}", mounted.name)),
+                Err(why) => found.left_out.push(LeftOut::setup(mounted.name, why)),
             }
         }
         if found.all.is_empty() {
-            let why = if found.left_out.is_empty() { "no readings".into() } else { reasons(&found.left_out) };
-            return Err(method.lacks(format!("{what} ({why})"), next));
+            return Err(method.lacks(format!("{what} ({})", reasons(&found.left_out)), next));
         }
         Ok(found)
-    }
-
-    /// For the notes of the findings.
-    pub fn left_out_notes(&self) -> impl Iterator<Item = String> + '_ {
-        self.left_out.iter().map(|left| format!("Left out: {left}."))
     }
 }
 
@@ -114,9 +133,16 @@ mod tests {
     #[test]
     fn a_reason_of_several_setups_is_said_once() {
         let read = "read by an R-test, not by a tracker";
-        let left_out =
-            [format!("setup low: {read}"), "setup far: nothing moves".into(), format!("setup high: {read}")];
+        let mut left_out = [("low", read), ("far", "nothing moves"), ("high", read)]
+            .map(|(setup, why)| LeftOut::setup(setup.into(), why))
+            .to_vec();
         assert_eq!(reasons(&left_out), format!("setups low and high: {read}; setup far: nothing moves"));
-        assert_eq!(reasons(&left_out[..1]), left_out[0]);
+        left_out.insert(1, LeftOut::run("low".into(), read));
+        assert_eq!(
+            reasons(&left_out[..3]),
+            format!("setup low: {read}; run low: {read}; setup far: nothing moves")
+        );
+        assert_eq!(reasons(&left_out[..1]), format!("setup low: {read}"));
+        assert_eq!(reasons(&[]), "no readings");
     }
 }

@@ -7,7 +7,7 @@
 //! Limits: R-test readings (three components); the axis lies along a coordinate of its carrier.
 
 use super::relative::{machine_from_reading, tool_against_table_mm};
-use crate::common::{Mounted, mounted, reasons};
+use crate::common::{LeftOut, Mounted, mounted, reasons};
 use crate::recipes::{Method, MethodError, one_machine};
 use nalgebra::{Matrix3, Point3, Vector3};
 use trunnion_core::convert::{deg_from_rad, rad_from_deg};
@@ -32,8 +32,7 @@ pub(crate) struct Turning {
     pub sets: Vec<TurningSet>,
     /// True when the readings are blocks of samples of a moving axis.
     pub on_the_fly: bool,
-    /// What was left out, one sentence each.
-    pub left_out: Vec<String>,
+    pub left_out: Vec<LeftOut>,
 }
 
 /// One setup of one run.
@@ -88,11 +87,12 @@ impl Turning {
         }
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
         for mounted in mounted(runs) {
-            let name = &mounted.name;
             match alone(machine, mounted.setup, &mounted.points) {
                 Ok(letter) if asked.is_none_or(|asked| asked == letter) => found.push((letter, mounted)),
-                Ok(letter) => left_out.push(format!("setup {name}: axis {letter} turns there")),
-                Err(why) => left_out.push(format!("setup {name}: {why}")),
+                Ok(letter) => {
+                    left_out.push(LeftOut::setup(mounted.name, format!("axis {letter} turns there")));
+                }
+                Err(why) => left_out.push(LeftOut::setup(mounted.name, why)),
             }
         }
         let Some((axis, first)) = found.first().map(|(axis, first)| (*axis, first)) else {

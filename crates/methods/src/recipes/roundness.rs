@@ -9,7 +9,7 @@ mod circles;
 
 use super::{Convention, Method, MethodError, MethodOptions, one_machine};
 use crate::Findings;
-use crate::common::Mounted;
+use crate::common::{Mounted, left_out_notes};
 use crate::findings::{Chart, Curve, FoundValue, Plot, ValueKind};
 use circles::{Round, Traces, circles};
 use trunnion_core::convert::um_from_mm;
@@ -42,7 +42,7 @@ fn run(runs: &[Run], _: &MethodOptions) -> Result<Findings, MethodError> {
     findings.notes = vec![
         "One reading of each target shows no uncertainty: measure the part twice, or state that of the measuring machine.".into(),
     ];
-    findings.notes.extend(rounds.left_out_notes());
+    findings.notes.extend(left_out_notes(&rounds.left_out));
     Ok(findings)
 }
 

@@ -10,6 +10,7 @@ use super::ranking::{Row, ranked};
 use super::shape::{AxisShapes, Shape, is_same_angle};
 use super::track::{Axis, Kind, span};
 use crate::common::harmonics::{self, Harmonics};
+use crate::common::left_out_notes;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Convention, Method};
 use std::f64::consts::TAU;
@@ -294,6 +295,6 @@ fn notes(found: &Found<'_>) -> Vec<String> {
             ));
         }
     }
-    notes.extend(found.tracks.left_out_notes());
+    notes.extend(left_out_notes(&found.tracks.left_out));
     notes
 }

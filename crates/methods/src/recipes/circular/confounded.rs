@@ -17,8 +17,8 @@ use crate::common::rounding::without;
 use crate::common::significance::is_significant;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
+use trunnion_core::Joint;
 use trunnion_core::statistics::COVERAGE_95;
-use trunnion_core::{Joint, chain};
 use trunnion_effects::{Instance, Role, Subject, Unit};
 use trunnion_engine::Experiment;
 use trunnion_engine::solve::linear::least_squares;
@@ -116,19 +116,14 @@ pub(super) fn one_number(of: &DVector<f64>) -> f64 {
 }
 
 /// Every cause of the two axes in the catalogue that moves an error of the list `kinds`, whose columns with the centring are `design`.
-///
-/// # Errors
-/// Why the readings give no columns, a part of a sentence.
+/// `within`: the readings of the trace.
 pub(super) fn others(
+    within: &Experiment,
     trace: &Trace,
     kinds: &[ListedKind],
     design: &DMatrix<f64>,
     left: &DVector<f64>,
-) -> Result<Vec<Other>, String> {
-    let within = Experiment::of_points(std::slice::from_ref(&trace.run)).map_err(|error| chain(&error))?;
-    if within.rows() != left.len() {
-        return Err(format!("{} of {} readings can be used", within.rows(), left.len()));
-    }
+) -> Vec<Other> {
     let mut over_travel = within.clone();
     for joint in Joint::LINEAR {
         if let Some(axis) = trace.run.machine.axis(joint) {
@@ -150,7 +145,7 @@ pub(super) fn others(
     let mut found = Vec::new();
     for cause in Instance::all(machine).into_iter().filter(is_tried) {
         let parameters = cause.parameters(&within.scene);
-        let [columns, far] = [&within, &over_travel].map(|of| of.columns(&cause, &[]));
+        let [columns, far] = [within, &over_travel].map(|of| of.columns(&cause, &[]));
         let id = cause.id();
         let is_own = kinds.iter().any(|kind| kind.phenomenon() == id.split(':').next());
         for (k, parameter) in parameters.into_iter().enumerate() {
@@ -177,7 +172,7 @@ pub(super) fn others(
     for seen in found.iter_mut().filter_map(|other| other.seen.as_mut()) {
         seen.significant = is_significant(seen.amount, seen.u, count);
     }
-    Ok(found)
+    found
 }
 
 /// m and r of a column; r is `None` where it is rounding. `None` for one that the centring takes up, or that is nothing.

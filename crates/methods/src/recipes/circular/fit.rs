@@ -111,9 +111,10 @@ impl<'a> Fitted<'a> {
         let design = with_decays(trace, &list, decay_mm, design(trace, &list, decay_mm));
         let fit = least_squares(&design, &deviation, TOLERANCE);
         let left = (&deviation - &design * &fit.x).map(|mm| without(mm, ROUNDING_MM));
-        let u_of_columns = u_of_columns(trace, &design, &fit, &left);
+        let readings = trace.readings();
+        let u_of_columns = u_of_columns(readings.as_ref().ok(), &design, &fit, &left);
         let kinds: Vec<ListedKind> = list.iter().map(|item| item.kind).collect();
-        let others = others(trace, &kinds, &design, &left);
+        let others = readings.map(|readings| others(&readings, trace, &kinds, &design, &left));
         let mut errors = Vec::new();
         let mut first = CENTRING;
         for item in list {
@@ -249,17 +250,17 @@ impl Iso {
 
 /// u of each column of the fit under the noise that the readings show next to all of them; by what is left and its correlation where they are too
 /// few to say what is noise.
-fn u_of_columns(trace: &Trace, design: &DMatrix<f64>, fit: &LinearFit, left: &DVector<f64>) -> DVector<f64> {
-    let by_what_is_left = || &fit.u * widened(left);
-    let Ok(experiment) = Experiment::of_points(std::slice::from_ref(&trace.run)) else {
-        return by_what_is_left();
-    };
-    if experiment.rows() != left.len() {
-        return by_what_is_left();
-    }
-    let noise = ReadingNoise::next_to(&experiment, design, left, &vec![true; trace.run.points.len()]);
-    let shares = design * &fit.cofactor;
-    noise.map_or_else(by_what_is_left, |noise| noise.u(&shares, BeyondModel::NOTHING))
+fn u_of_columns(
+    readings: Option<&Experiment>,
+    design: &DMatrix<f64>,
+    fit: &LinearFit,
+    left: &DVector<f64>,
+) -> DVector<f64> {
+    let noise = readings.and_then(|readings| {
+        ReadingNoise::next_to(readings, design, left, &vec![true; readings.points.len()])
+    });
+    let shares = || design * &fit.cofactor;
+    noise.map_or_else(|| &fit.u * widened(left), |noise| noise.u(&shares(), BeyondModel::NOTHING))
 }
 
 /// Deviations as if the ball sat so little off the centre that it reads as cos φ and sin φ alone.

@@ -9,8 +9,9 @@ use crate::recipes::{Method, MethodError};
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 use trunnion_core::statistics::upper_median;
-use trunnion_core::{InstrumentKind, Joint, Point, Setup, State};
+use trunnion_core::{InstrumentKind, Joint, Point, Setup, State, chain};
 use trunnion_cycles::{Run, RunKind};
+use trunnion_engine::Experiment;
 use trunnion_instruments::predict;
 use trunnion_machine::{Errors, JointErrors, Machine};
 
@@ -83,6 +84,19 @@ impl Trace {
     /// Whether the run shows the speed along the path.
     pub fn knows_speed(&self) -> bool {
         matches!(self.speed, Speed::Run | Speed::Times)
+    }
+
+    /// The readings that the list is fitted to, as causes of the catalogue see them.
+    ///
+    /// # Errors
+    /// Why they give no columns, a part of a sentence.
+    pub fn readings(&self) -> Result<Experiment, String> {
+        let readings =
+            Experiment::of_points(std::slice::from_ref(&self.run)).map_err(|error| chain(&error))?;
+        match readings.rows() == self.samples.len() {
+            true => Ok(readings),
+            false => Err(format!("{} of {} readings can be used", readings.rows(), self.samples.len())),
+        }
     }
 
     /// Feeds along the path, slowest first; empty where they are not known.

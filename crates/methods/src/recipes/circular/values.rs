@@ -7,6 +7,7 @@ use super::list::ListedKind;
 use super::planes::together;
 use super::to_do::to_do;
 use super::trace::{Speed, Trace, Traces};
+use crate::common::left_out_notes;
 use crate::common::rounding::without;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
 use crate::recipes::{Convention, Method};
@@ -376,6 +377,6 @@ fn notes(machine: &Machine, traces: &Traces, fits: &[Fitted<'_>]) -> Vec<String>
             }
         }
     }
-    notes.extend(traces.left_out_notes());
+    notes.extend(left_out_notes(&traces.left_out));
     notes
 }

@@ -4,7 +4,7 @@ use super::nest_calibration::commanded_mm;
 use crate::common::relative::{machine_from_reading, tool_against_table_mm};
 use crate::common::shares::Shares;
 use crate::common::stations::Stations;
-use crate::common::{Mounted, mounted, reasons};
+use crate::common::{LeftOut, Mounted, mounted, reasons};
 use crate::recipes::{Method, MethodError, one_machine};
 use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 use trunnion_core::{InstrumentKind, Joint, Point, Setup, Twist};
@@ -37,7 +37,7 @@ pub(super) struct Grid<'a> {
     /// Standard deviation of one reading by its repeats, mm; `None` when nothing was read twice.
     pub repeat_mm: Option<f64>,
     /// Runs, points and setups that could not be used, one sentence each.
-    pub left_out: Vec<String>,
+    pub left_out: Vec<LeftOut>,
 }
 
 /// One pose of one nest position.
@@ -72,12 +72,12 @@ impl<'a> Grid<'a> {
         let mut readings: Vec<Reading<'_>> = Vec::new();
         for Mounted { name, run, setup, points, numbers, .. } in mounted(runs) {
             if run.kind == RunKind::OnTheFly {
-                left_out.push(format!("run {}: read on the fly", run.name));
+                left_out.push(LeftOut::run(run.name.clone(), "read on the fly"));
                 left_out.dedup();
                 continue;
             }
             if setup.instrument != InstrumentKind::RTest {
-                left_out.push(format!("setup {name}: read by {}", setup.instrument.with_article()));
+                left_out.push(LeftOut::setup(name, format!("read by {}", setup.instrument.with_article())));
                 continue;
             }
             let off_mm = points.iter().map(|point| commanded_mm(run, point).norm()).fold(0.0, f64::max);

@@ -9,6 +9,7 @@ use super::grid::Grid;
 use super::location::Locations;
 use super::tilting::{self, Motion};
 use crate::common::harmonics::{self, Harmonics};
+use crate::common::left_out_notes;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue};
 use crate::recipes::{Method, MethodOptions};
 use nalgebra::Vector3;
@@ -261,6 +262,6 @@ fn notes(grid: &Grid<'_>, b_errors: &BErrors) -> Vec<String> {
         repeats,
         format!("Offsets of the zero pose: {}.", offsets.collect::<Vec<_>>().join(", ")),
     ];
-    notes.extend(grid.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes.extend(left_out_notes(&grid.left_out));
     notes
 }

@@ -1,8 +1,9 @@
 //! Which readings are of one target: the same commanded axes, approached alike, with the reflector at the same place of the tool.
 
-use crate::common::{Mounted, mounted, reasons};
+use crate::common::{LeftOut, Mounted, mounted, reasons};
 use crate::recipes::{Method, MethodError};
 use nalgebra::{Point3, Vector3};
+use trunnion_core::number::counted;
 use trunnion_core::{InstrumentKind, Point, State};
 use trunnion_cycles::Run;
 use trunnion_instruments::predict;
@@ -19,8 +20,9 @@ pub(super) const LEAST_STATIONS: usize = 4;
 /// All readings, by the place of the reflector.
 pub(super) struct Observed {
     pub groups: Vec<Group>,
-    /// What was left out, a sentence each.
-    pub left_out: Vec<String>,
+    pub left_out: Vec<LeftOut>,
+    /// Targets that too few stations saw, a part of a sentence for each place of the reflector.
+    pub seen_by_few: Vec<String>,
 }
 
 /// Readings with the reflector at one place of the tool.
@@ -58,13 +60,12 @@ pub(super) struct Distance {
 /// # Errors
 /// Too few stations saw the same targets.
 pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Observed, MethodError> {
-    let mut found = Observed { groups: Vec::new(), left_out: Vec::new() };
+    let mut found = Observed { groups: Vec::new(), left_out: Vec::new(), seen_by_few: Vec::new() };
     for Mounted { name, run, setup, points, .. } in mounted(runs) {
         if setup.instrument != InstrumentKind::Tracker {
-            found.left_out.push(format!(
-                "setup {name}: read by {}, not by a tracking interferometer",
-                setup.instrument.with_article()
-            ));
+            let why =
+                format!("read by {}, not by a tracking interferometer", setup.instrument.with_article());
+            found.left_out.push(LeftOut::setup(name, why));
             continue;
         }
         let at = setup.ball_in_tool_mm;
@@ -92,16 +93,15 @@ pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Observed, Meth
     }
     let next = "Run a cycle such as config/cycles/tracker.toml.";
     if found.groups.is_empty() {
-        let why = if found.left_out.is_empty() { "no readings".into() } else { reasons(&found.left_out) };
+        let why = reasons(&found.left_out);
         return Err(method.lacks(format!("no setup holds distances of a tracker ({why})"), next));
     }
     for group in &mut found.groups {
         if group.stations.len() < LEAST_STATIONS {
             return Err(method.lacks(
                 format!(
-                    "{} {} with the reflector at {}",
-                    group.stations.len(),
-                    if group.stations.len() == 1 { "station" } else { "stations" },
+                    "{} with the reflector at {}",
+                    counted(group.stations.len() as u64, "station"),
                     group.place()
                 ),
                 next,
@@ -109,7 +109,7 @@ pub(super) fn recognised(method: &Method, runs: &[Run]) -> Result<Observed, Meth
         }
         let unseen = group.keep_seen();
         if unseen > 0 {
-            found.left_out.push(format!(
+            found.seen_by_few.push(format!(
                 "{unseen} targets with the reflector at {}: seen from fewer than {LEAST_STATIONS} stations",
                 group.place()
             ));

@@ -3,6 +3,7 @@
 use super::observed::{Group, Observed};
 use super::solve::Solved;
 use crate::Findings;
+use crate::common::left_out_notes;
 use crate::findings::{Cell, Chart, Column, FoundTable, FoundValue, MapPlace, Plot, ValueKind};
 use crate::recipes::{Convention, Method, MethodOptions};
 use nalgebra::Vector3;
@@ -134,6 +135,7 @@ fn notes(observed: &Observed, several: bool) -> Vec<String> {
                 .into(),
         );
     }
-    notes.extend(observed.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes.extend(left_out_notes(&observed.left_out));
+    notes.extend(observed.seen_by_few.iter().map(|targets| format!("Left out: {targets}.")));
     notes
 }

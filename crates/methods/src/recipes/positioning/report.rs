@@ -1,6 +1,7 @@
 //! The values of ISO 230-2, a table of the targets, and their chart.
 
 use super::targets::{Approaches, Target, Trace, Traces};
+use crate::common::left_out_notes;
 use crate::findings::ValueKind::{Error, Part, Summary};
 use crate::findings::{
     AxisName, Cell, Chart, Column, Curve, Findings, FoundTable, FoundValue, Plot, ValueKind,
@@ -31,7 +32,7 @@ pub(super) fn findings(method: &Method, runs: &[Run], traces: &Traces) -> Findin
     );
     notes.extend(traces.all.iter().filter(|trace| trace.unknown > 0).map(unknown_note));
     notes.extend(traces.all.iter().filter_map(one_sided_note));
-    notes.extend(traces.left_out_notes());
+    notes.extend(left_out_notes(&traces.left_out));
     Findings {
         values: traces.all.iter().flat_map(values).collect(),
         tables: traces.all.iter().map(table).collect(),

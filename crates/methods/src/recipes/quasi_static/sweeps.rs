@@ -88,9 +88,10 @@ pub(super) fn fitted(method: &Method, runs: &[Run], asked: Option<Joint>) -> Res
     let mut total = 0;
     for (of_run, run) in runs.iter().enumerate() {
         let mut grouped = grouped((of_run, run), &leading);
-        grouped.retain(|group| group.points.len() >= LEAST_READINGS);
+        grouped.retain(|group| group.numbers.len() >= LEAST_READINGS);
         total += run.good_points().count();
-        left_out += run.good_points().count() - grouped.iter().map(|group| group.points.len()).sum::<usize>();
+        left_out +=
+            run.good_points().count() - grouped.iter().map(|group| group.numbers.len()).sum::<usize>();
         groups.extend(grouped);
     }
     if left_out as f64 > MOST_LEFT_OUT * total as f64 {
@@ -110,7 +111,8 @@ pub(super) fn fitted(method: &Method, runs: &[Run], asked: Option<Joint>) -> Res
         };
         let experiment = Experiment::new(&[group.taken_alone()])?;
         let fit = identify(&experiment, &Model::base(&machine.name), &options).map_err(|why| {
-            let found = format!("one sweep of {} readings has no fit of its own ({why})", group.points.len());
+            let found =
+                format!("one sweep of {} readings has no fit of its own ({why})", group.numbers.len());
             method.lacks(found, "Read more places in each sweep.")
         })?;
         let is_split = |parameter: &&FittedParameter| {
@@ -154,15 +156,15 @@ struct Group<'a> {
     of_run: usize,
     way: f64,
     feed: f64,
-    points: Vec<Point>,
-    /// Their numbers among the good points of the run.
+    /// Numbers of its points among the good ones of the run.
     numbers: Vec<usize>,
 }
 
 impl Group<'_> {
     /// The run with the readings of this sweep alone.
     fn taken_alone(&self) -> Run {
-        Run { points: self.points.clone(), ..self.run.clone() }
+        let good: Vec<&Point> = self.run.good_points().collect();
+        Run { points: self.numbers.iter().map(|&number| good[number].clone()).collect(), ..self.run.clone() }
     }
 }
 
@@ -254,13 +256,9 @@ fn grouped<'a>((of_run, run): (usize, &'a Run), leading: &Leading) -> Vec<Group<
             group.way == way && (*of_feed, *of_turn) == (feed, turn)
         };
         match groups.iter_mut().find(same) {
-            Some((group, ..)) => {
-                group.points.push(point.clone());
-                group.numbers.push(number);
-            }
+            Some((group, ..)) => group.numbers.push(number),
             None => {
-                let (points, numbers) = (vec![point.clone()], vec![number]);
-                let group = Group { run, of_run, way, feed: feeds[feed], points, numbers };
+                let group = Group { run, of_run, way, feed: feeds[feed], numbers: vec![number] };
                 groups.push((group, feed, turn));
             }
         }

@@ -2,6 +2,7 @@
 
 use super::contour::{Contour, Signal, Turn};
 use crate::common::harmonics::{self, Harmonics};
+use crate::common::left_out_notes;
 use crate::common::stations::Stations;
 use crate::common::turning::{Turned, Turning, TurningSet};
 use crate::findings::{
@@ -290,6 +291,6 @@ fn notes(turning: &Turning, judged: &[Judged], stations: &Stations) -> Vec<Strin
                 .into(),
         );
     }
-    notes.extend(turning.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes.extend(left_out_notes(&turning.left_out));
     notes
 }

@@ -6,6 +6,7 @@ use super::each_run::{self, OfRun, OverRuns};
 use super::error_motions::{ErrorMotion, Signs, error_motions};
 use super::fit::{HeightFit, Heights};
 use crate::common::harmonics::{self, Harmonics};
+use crate::common::left_out_notes;
 use crate::common::of_few::widening;
 use crate::common::turning::Turning;
 use crate::findings::{Cell, Column, Findings, FoundTable, FoundValue, ValueKind};
@@ -204,6 +205,6 @@ fn notes(turning: &Turning, heights: &Heights, noise_is_known: bool) -> Vec<Stri
                 .into(),
         );
     }
-    notes.extend(turning.left_out.iter().map(|left| format!("Left out: {left}.")));
+    notes.extend(left_out_notes(&turning.left_out));
     notes
 }
