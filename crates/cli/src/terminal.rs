@@ -52,11 +52,6 @@ pub fn show_all() {
     ALL.store(true, Ordering::Relaxed);
 }
 
-/// `1 setup`, `2 setups`.
-pub fn counted(count: u64, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
-}
-
 /// Prints a result. A reader that closed the pipe is no failure.
 pub fn print(text: &str) -> anyhow::Result<()> {
     print_verbatim(&Screen::now(std::io::stdout().is_terminal()).shown(text))

@@ -72,6 +72,11 @@ pub fn um_or_less(value_um: f64) -> String {
     if is_small { "< 0.01 µm".into() } else { um(value_um) }
 }
 
+/// `1 setup`, `2 setups`: of nouns that take an s.
+pub fn counted(count: u64, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 fn is_zero(size: &str) -> bool {
     size.chars().all(|c| matches!(c, '0' | '.'))
 }

@@ -17,6 +17,7 @@ use found::{Found, diagnosed};
 use keeper::{CHANGE, FORECAST};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use trunnion_core::number::counted;
 use trunnion_core::{chain, names};
 use trunnion_results::{
     Alarm, AlarmsNow, CorrectionEntered, Diagnosis, HistoryRun, MachineHistory, RunChange, RunFound, RunLine,
@@ -227,14 +228,13 @@ fn no_runs(machine: String, headers: &[Header]) -> Error {
 
 /// Which machines the other runs are of, and how they are asked for; `None` where there are none.
 fn others(machine: &str, headers: &[Header]) -> Option<String> {
-    let mut others = BTreeMap::<&str, usize>::new();
+    let mut others = BTreeMap::<&str, u64>::new();
     for header in headers.iter().filter(|header| header.machine != machine && !header.machine.is_empty()) {
         *others.entry(&header.machine).or_default() += 1;
     }
     let (first, _) = others.first_key_value()?;
-    let runs = |count: usize| if count == 1 { "1 run".to_owned() } else { format!("{count} runs") };
     let named: Vec<String> =
-        others.iter().map(|(name, count)| format!("{name} ({})", runs(*count))).collect();
+        others.iter().map(|(name, count)| format!("{name} ({})", counted(*count, "run"))).collect();
     Some(format!(
         "The folder also has runs of {}. Name a machine to see its runs: `trunnion history {first}` with the same --folder.",
         named.join(", ")

@@ -5,6 +5,7 @@ use crate::terminal;
 use std::path::PathBuf;
 use trunnion::cycles::RunKind;
 use trunnion::results::Imported;
+use trunnion_core::number::counted;
 
 /// Import a points file (points.csv with setup.toml) as a recording
 ///
@@ -51,8 +52,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             machine: run.machine.name,
         })?;
     } else {
-        let (points, setups) =
-            (terminal::counted(points, "point"), terminal::counted(run.setups.len() as u64, "setup"));
+        let (points, setups) = (counted(points, "point"), counted(run.setups.len() as u64, "setup"));
         terminal::print(&format!("{points} of {setups} -> {}\n", args.output.display()))?;
     }
     Ok(Outcome::Done)

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use trunnion::Machine;
 use trunnion::cycles::{Cycle, Pace, Run, RunKind};
 use trunnion::results::{Simulation, SimulationFormat};
+use trunnion_core::number::counted;
 use trunnion_core::{AxisSample, NestSide, Point, Quality, Setup, State};
 use trunnion_hil_sim::physics::{Sampler, VirtualMachine, grid};
 use trunnion_hil_sim::{Compensation, Instrument, NestOn, SimSetup, Truth};
@@ -87,7 +88,7 @@ pub fn run(args: &Args) -> anyhow::Result<Outcome> {
             run: args.output.display().to_string(),
         })?;
     } else {
-        let points = terminal::counted(run.points.len() as u64, "point");
+        let points = counted(run.points.len() as u64, "point");
         terminal::print(&format!("{points} -> {}\n", args.output.display()))?;
     }
     Ok(Outcome::Done)

@@ -3,11 +3,12 @@
 
 use std::time::Duration;
 use trunnion_acquire::drivers::DRIVERS;
+use trunnion_core::number::counted;
 
 /// One sentence; empty when nothing was lost.
 pub fn why(losses: &[String], longest_pause: Duration) -> String {
     let Some(first) = losses.first() else { return String::new() };
-    let gaps = if losses.len() == 1 { "1 gap".into() } else { format!("{} gaps", losses.len()) };
+    let gaps = counted(losses.len() as u64, "gap");
     let pause_ms = longest_pause.as_millis();
     if pause_ms as f64 >= silence_ms() {
         return format!(

@@ -6,6 +6,7 @@ use crate::outcome::Outcome;
 use crate::{output, terminal};
 use anyhow::bail;
 use trunnion::tables::parquet::Rows;
+use trunnion_core::number::counted;
 
 pub const FORMAT: Format = Format { name: "parquet", run };
 
@@ -27,7 +28,7 @@ fn run(request: &Request) -> anyhow::Result<Outcome> {
         bail!("none of the recordings can be read, so {} was not written", path.display());
     }
     output::write(path, &rows.file()?)?;
-    let (rows, read) = (terminal::counted(rows.count() as u64, "row"), terminal::counted(read, "recording"));
+    let (rows, read) = (counted(rows.count() as u64, "row"), counted(read, "recording"));
     terminal::print(&format!("{rows} of {read}: {}\n", path.display()))?;
     Ok(outcome)
 }
