@@ -2,7 +2,7 @@
 
 use crate::mistakes::{Files, READINGS, warmed_k};
 use std::path::PathBuf;
-use trunnion::results::{Decision, DoubtReason, Verdict};
+use trunnion::results::{Decision, Doubt, DoubtReason, Verdict};
 
 const SETS: [&str; 4] =
     ["points-gravity", "points-backlash-and-drift", "points-nothing-hidden", "points-unnamed"];
@@ -289,6 +289,15 @@ fn the_sign_of_a_sag_says_what_reversed_readings_turn_round() {
     assert!(added.compare().story().wrong.iter().any(|said| said.ends_with(&format!("{warning}."))));
 }
 
+/// What to doubt in plausible readings: said by `check` and with a fit.
+fn doubts(files: &Files) -> Vec<Doubt> {
+    let run = files.open();
+    assert_eq!(run.check().plausibility, []);
+    let found = run.fit(&run.base_model()).unwrap().results().doubts;
+    assert_eq!(run.check().doubts, found);
+    found
+}
+
 /// In a random order no pass goes the other way; every pose may have been approached from below.
 #[test]
 fn one_direction_of_an_axis_that_went_both_ways_is_doubted() {
@@ -297,13 +306,6 @@ fn one_direction_of_an_axis_that_went_both_ways_is_doubted() {
     files.shuffle(3);
     let column = files.column("time_s");
     files.rows.iter_mut().zip(times).for_each(|(row, time)| row[column] = time);
-    let doubts = |files: &Files| {
-        let run = files.open();
-        assert_eq!(run.check().plausibility, []);
-        let found = run.fit(&run.base_model()).unwrap().results().doubts;
-        assert_eq!(run.check().doubts, found);
-        found
-    };
     assert_eq!(doubts(&files), []);
     files.change("direction_b", |_| 1.0);
     let [doubt] = &doubts(&files)[..] else { panic!("one doubt") };
@@ -321,12 +323,6 @@ fn one_direction_of_an_axis_that_went_both_ways_is_doubted() {
 #[test]
 fn readings_ten_times_too_large_are_doubted_where_they_repeat() {
     let mut files = Files::committed("points-gravity");
-    let doubts = |files: &Files| {
-        let run = files.open();
-        let found = run.fit(&run.base_model()).unwrap().results().doubts;
-        assert_eq!(run.check().doubts, found);
-        found
-    };
     assert_eq!(doubts(&files), []);
     READINGS.into_iter().for_each(|column| files.change(column, |value| 10.0 * value));
     let [doubt] = &doubts(&files)[..] else { panic!("one doubt") };
