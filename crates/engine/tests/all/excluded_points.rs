@@ -37,6 +37,19 @@ fn one_percent_of_spikes_are_excluded_and_named() {
     }
 }
 
+/// A cable that touched: the reading pulls the fit, so that its neighbours are far from it too.
+#[test]
+fn a_wild_reading_is_excluded_and_its_neighbours_are_not() {
+    let clean = fit(nothing_hidden(), &Model::base("table-bc")).unwrap();
+    for (k, at) in [0, 48, 77, 168, 300, 335].into_iter().enumerate() {
+        let mut run = nothing_hidden();
+        run.points[at].reading_mm[k % 3] += 5.0;
+        let fit = fit(run, &Model::base("table-bc")).unwrap();
+        assert_eq!(fit.outliers.iter().map(|o| o.point).collect::<Vec<_>>(), [at]);
+        assert!((fit.rms_mm / clean.rms_mm - 1.0).abs() < 0.01, "{at}");
+    }
+}
+
 /// Readings that a fit leaves out are no zeros either: what the others scatter, and how well the errors are known, is what the run without these
 /// points says. As zeros they would make the white part of the noise, in which all else is measured, as small as the prior allows.
 #[test]
