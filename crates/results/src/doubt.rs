@@ -137,6 +137,12 @@ impl Doubt {
                  clock was set, and every drift is bent there: put the times on one clock.",
                 row - 1
             ),
+            ClockDoubt::Slow { span_s, usual_s } => format!(
+                "by its times run {run} took {:.0} hours, with {usual_s:.0} s from pose to pose: in milliseconds instead of seconds (factor 1000) it \
+                 would be {:.0} s. Check the units of time_s.",
+                span_s / 3600.0,
+                span_s / 1000.0
+            ),
         };
         Self { effect: None, names: Vec::new(), reason: DoubtReason::Clock, words }
     }

@@ -17,6 +17,10 @@ const NEAR_STEPS: f64 = 2.0;
 const LONGEST_STEP_S: f64 = 180.0;
 /// Hours by which a clock is set: summer time, or another time zone.
 const MOST_HOURS: f64 = 14.0;
+/// No cycle that goes from pose to pose waits so long at each and lasts so long: a minute and a half is more than a probe needs to settle, and a
+/// day is longer than a shift. Poses of thermal runs come seldom too, but with temperatures, or in one place.
+const SLOW_STEP_S: f64 = 90.0;
+const SLOW_RUN_S: f64 = 86_400.0;
 
 /// What to say of the times of a run that can be judged all the same.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +33,13 @@ pub enum ClockDoubt {
         row: usize,
         /// How far, s.
         by_s: f64,
+        /// The usual time between two rows, s.
+        usual_s: f64,
+    },
+    /// The axes went from pose to pose for days.
+    Slow {
+        /// From the first row to the last, s.
+        span_s: f64,
         /// The usual time between two rows, s.
         usual_s: f64,
     },
@@ -88,6 +99,15 @@ pub(super) fn set_back(run: &Run) -> Option<Implausible> {
     ))
 }
 
+/// How long a run lasts that is long, had no thermometer, and moved an axis in most of its steps, s.
+fn slow_s(run: &Run, times: &[f64]) -> Option<f64> {
+    let (first, last) =
+        times.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    let moved = run.points.windows(2).filter(|pair| pair[0].state.position != pair[1].state.position).count();
+    let is_slow = last - first > SLOW_RUN_S && run.channels.is_empty() && 2 * moved > run.points.len();
+    is_slow.then_some(last - first)
+}
+
 /// What to say of the times of a run, which is judged all the same.
 pub fn clock_doubt(run: &Run) -> Option<ClockDoubt> {
     let times: Vec<f64> = run.points.iter().filter_map(|point| point.state.time_s).collect();
@@ -96,7 +116,13 @@ pub fn clock_doubt(run: &Run) -> Option<ClockDoubt> {
         return Some(ClockDoubt::OneTime(first));
     }
     let steps = steps(run);
-    let usual_s = usual_s(&steps).filter(|usual_s| *usual_s < LONGEST_STEP_S)?;
+    let usual_s = usual_s(&steps)?;
+    if let Some(span_s) = slow_s(run, &times).filter(|_| usual_s > SLOW_STEP_S) {
+        return Some(ClockDoubt::Slow { span_s, usual_s });
+    }
+    if usual_s >= LONGEST_STEP_S {
+        return None;
+    }
     // What is left of the step without the hours is the time from row to row, as short as one at least.
     let forward = steps.iter().map(|(_, from, to)| to - from).filter(|step_s| *step_s > 0.0);
     let shortest_s = forward.fold(f64::INFINITY, f64::min);

@@ -29,7 +29,8 @@ fn doubts_of(reason: DoubtReason) -> Vec<Doubt> {
         DoubtReason::Scatter => found(Why::Scatter { noise_um: 4.0 }),
         DoubtReason::Clock => {
             let set = ClockDoubt::SetForward { row: 141, by_s: 3604.0, usual_s: 4.0 };
-            [ClockDoubt::OneTime(0.0), set].iter().map(|doubt| Doubt::clock("day", doubt)).collect()
+            let slow = ClockDoubt::Slow { span_s: 166_586.0, usual_s: 118.0 };
+            [ClockDoubt::OneTime(0.0), set, slow].iter().map(|doubt| Doubt::clock("day", doubt)).collect()
         }
         DoubtReason::Rounded => {
             let lengths = RoundedWhat::Lengths { scatter_um: 0.29 };
