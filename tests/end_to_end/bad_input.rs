@@ -4,7 +4,7 @@ use crate::program::{answer, trunnion, written};
 use std::fs::Permissions;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use trunnion_core::Gap;
 
 pub fn data(file: &str) -> PathBuf {
@@ -152,7 +152,7 @@ fn a_mistyped_effect_gets_the_nearest_names_first() {
 fn a_reader_that_goes_away_is_no_failure() {
     let cycle = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/cycles/touch-probe-column.toml");
     for format in [&["--all"][..], &["--json"]] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+        let mut command = crate::program::command();
         command.args(["plan", "--cycle", cycle]).args(format);
         let mut program = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(program.stdout.take()); // as `| head -0` does

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use std::sync::Arc;
 use std::time::Instant;
 use trunnion_acquire::parse_devices;
@@ -40,7 +40,7 @@ impl World for Still {
 }
 
 fn trunnion(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap()
+    crate::program::command().args(args).output().unwrap()
 }
 
 fn places(folder: &Path, names: &[&str]) -> Vec<Value> {
@@ -125,7 +125,7 @@ async fn linuxcnc_is_named_and_reads_once_its_joints_are_filled_in() {
     let lines = found[0]["config"].as_str().unwrap();
     // On a screen that is narrower than they are they are the same, to be pasted.
     assert!(lines.lines().any(|line| line.len() > 80), "{lines}");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut command = crate::program::command();
     let output = command.args(["devices", "--url", &url]).env("COLUMNS", "80").output().unwrap();
     let printed = String::from_utf8(output.stdout).unwrap();
     let pasted = &printed[printed.find("[[device]]").unwrap()..];

@@ -2,11 +2,10 @@
 
 use crate::program::{data, import_and_add, trunnion};
 use std::path::Path;
-use std::process::Command;
 
 /// Standard output and standard error in so many columns, nothing folded.
 fn shown(columns: usize, folder: &Path, args: &[&str]) -> String {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut command = crate::program::command();
     command.args(args).arg("--all").current_dir(folder).env("COLUMNS", columns.to_string());
     let output = command.output().unwrap();
     String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap()

@@ -48,7 +48,7 @@ fn open_takes_the_limits_of_a_configuration_and_ends_well_when_it_is_stopped() {
         assert!(said.contains(allowed), "{said}");
     }
     let page = free_address();
-    let mut open = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut open = crate::program::command();
     let mut open = open.args(["open", &run, "--listen", &page]).stdout(Stdio::null()).spawn().unwrap();
     analysed(&page, "run");
     let children = || -> Vec<String> {

@@ -1,14 +1,13 @@
 //! Lists longer than the screen are folded behind `--all`; what other programs read is never folded or wrapped.
 
 use crate::program::{data, import, trunnion};
-use std::process::Command;
 
 const CYCLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/cycles/touch-probe-column.toml");
 const LINES: usize = 20;
 
 /// Standard output and standard error on a screen of so many columns and [`LINES`] lines.
 fn on_screen(columns: usize, args: &[&str]) -> (String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut command = crate::program::command();
     command.args(args).env("COLUMNS", columns.to_string()).env("LINES", LINES.to_string());
     let output = command.output().unwrap();
     (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())

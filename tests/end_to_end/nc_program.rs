@@ -1,10 +1,10 @@
 //! NC programs through the binary: a file in the dialect asked for, and clear words for what cannot be.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn trunnion(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trunnion")).arg("nc-program").args(args).output().unwrap()
+    crate::program::command().arg("nc-program").args(args).output().unwrap()
 }
 
 fn cycle(name: &str) -> String {

@@ -2,12 +2,10 @@
 
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 
 /// Runs `trunnion` in a folder, expects exit 0, gives standard output.
 fn trunnion(folder: &Path, args: &[&str]) -> String {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_trunnion")).current_dir(folder).args(args).output().unwrap();
+    let output = crate::program::command().current_dir(folder).args(args).output().unwrap();
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }

@@ -3,14 +3,29 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
+
+/// What the program works out in these tests, empty when they begin: a question that two of them ask, or one of them twice, is worked out once,
+/// as for its user. It is half of their time.
+static KEPT: LazyLock<&Path> = LazyLock::new(|| {
+    let folder = Path::new(concat!(env!("CARGO_TARGET_TMPDIR"), "/end-to-end-kept"));
+    let _ = std::fs::remove_dir_all(folder);
+    std::fs::create_dir_all(folder).expect("the folder of the build takes folders");
+    folder
+});
+
+/// `trunnion`.
+pub fn command() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    command.env("TRUNNION_CACHE_DIR", *KEPT);
+    command
+}
 
 /// Runs `trunnion`.
 pub fn answer(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trunnion"))
-        .args(args)
-        .env("COLUMNS", "1000") // sentences are searched for in one piece
-        .output()
-        .expect("the program starts")
+    let mut command = command();
+    // Sentences are searched for in one piece.
+    command.args(args).env("COLUMNS", "1000").output().expect("the program starts")
 }
 
 /// The same: whether it exits with 0, standard output, standard error.

@@ -2,7 +2,6 @@
 
 use super::three_probes::{SILENCE_MS, devices, head, nest};
 use std::path::Path;
-use std::process::Command;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use trunnion_core::InstrumentKind;
@@ -53,7 +52,7 @@ async fn a_cycle_that_is_reset_is_kept_counted_and_not_judged() {
     std::fs::write(file("c.toml"), &text).unwrap();
     let (cycle_file, config_file) = (file("c.toml"), file("trunnion.toml"));
     let recorded = tokio::task::spawn_blocking(move || {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+        let mut command = crate::program::command();
         command.arg("record").arg(cycle_file).arg("--config").arg(config_file).env("COLUMNS", "1000");
         command.output().unwrap()
     });
@@ -107,7 +106,7 @@ fn walk(folder: &Path) -> Vec<std::path::PathBuf> {
 }
 
 fn trunnion(args: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut command = crate::program::command();
     let output = command.args(args).env("COLUMNS", "1000").output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code(), text(output.stdout), text(output.stderr))

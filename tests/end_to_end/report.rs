@@ -7,7 +7,7 @@ use std::process::Command;
 
 /// What `trunnion` does with this environment: standard error and exit code.
 fn with_browser(browser: &Path, args: &[&str]) -> (String, Option<i32>) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut command = crate::program::command();
     let ran = command.args(args).env("COLUMNS", "1000").env("TRUNNION_BROWSER", browser).output().unwrap();
     (String::from_utf8(ran.stderr).unwrap(), ran.status.code())
 }

@@ -17,7 +17,6 @@ use judged::{Found, found, injected};
 use rows::{Row, rows};
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 use trunnion_cycles::Cycle;
 use trunnion_hil_sim::Truth;
 
@@ -27,8 +26,7 @@ const ALLOWED_U: f64 = 4.5;
 const SECOND_ORDER: f64 = 0.01;
 
 fn trunnion(folder: &Path, args: &[&str]) -> String {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_trunnion")).current_dir(folder).args(args).output().unwrap();
+    let output = crate::program::command().current_dir(folder).args(args).output().unwrap();
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }

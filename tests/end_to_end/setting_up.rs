@@ -4,7 +4,7 @@ use super::three_probes::{SILENCE_MS, devices, head};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 use trunnion_core::{AxisValues, Joint, State};
@@ -83,7 +83,7 @@ fn configure(folder: &Path, url: &str, nest: Option<[[f64; 3]; 3]>) -> String {
 }
 
 async fn trunnion(args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut command = crate::program::command();
     command.args(args).env("COLUMNS", "1000");
     tokio::task::spawn_blocking(move || command.output().unwrap()).await.unwrap()
 }
@@ -175,7 +175,7 @@ async fn a_probe_out_of_place_and_one_that_is_away_are_said_before_the_cycle_beg
     let config = configure(folder.path(), &url, Some(DIRECTIONS));
     let text = std::fs::read_to_string(&config).unwrap();
     std::fs::write(&config, text.replace("[nest]", "[cycle_start]\nby = \"motion\"\n[nest]")).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_trunnion"));
+    let mut command = crate::program::command();
     command.args(["record", folder.path().join("c.toml").to_str().unwrap(), "--config", &config]);
     let mut child = command.env("COLUMNS", "1000").stderr(Stdio::piped()).spawn().unwrap();
     let stderr = child.stderr.take().unwrap();

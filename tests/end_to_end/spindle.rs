@@ -4,14 +4,14 @@ use crate::one_line;
 use crate::section::workspace_root;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// Location errors of the line of the spindle [S2 tables 2-3].
 const OF_SPINDLE: [&str; 4] = ["EX0C1", "EY0C1", "EA0C1", "EB0C1"];
 const GRID: &str = "\n[[grid]]\naxis = \"C1\"\nstations_deg = [0, 90, 180, 270]\n";
 
 fn answer(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trunnion")).current_dir(folder).args(args).output().unwrap()
+    crate::program::command().current_dir(folder).args(args).output().unwrap()
 }
 
 fn trunnion(folder: &Path, args: &[&str]) -> String {

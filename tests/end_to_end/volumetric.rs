@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use trunnion_core::State;
 use trunnion_hil_sim::{Truth, VirtualMachine};
 use trunnion_machine::{JointErrors, shipped};
@@ -15,7 +15,7 @@ fn root(path: &str) -> String {
 }
 
 fn trunnion(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_trunnion")).args(args).output().unwrap()
+    crate::program::command().args(args).output().unwrap()
 }
 
 /// Expects exit 0, gives standard output.
