@@ -153,11 +153,22 @@ impl<'a> Remainder<'a> {
 
     /// The mode from the noise that was learned for sizes alone.
     pub fn mode_from(&self, learned: &Learned) -> Option<Mode> {
-        let x: Vec<f64> = std::iter::once((learned.s_mm / self.unit_mm).ln())
-            .chain(learned.rho_ln.iter().copied())
-            .collect();
-        let found = self.mode(&learned.white, &x, Effort::FULL);
+        let found = self.mode(&learned.white, &self.sizes(learned), Effort::FULL);
         found.or_else(|| self.mode(&learned.white, &self.first(), Effort::FULL))
+    }
+
+    /// The noise that a fit of these points with these columns has learned, and the mode there; learned where it has none.
+    pub fn learned(&self, learned: Option<&Learned>) -> Option<(Learned, Mode)> {
+        let known = learned.and_then(|learned| {
+            Some((learned.clone(), self.mode(&learned.white, &self.sizes(learned), Effort::SIZES)?))
+        });
+        known.or_else(|| self.learn())
+    }
+
+    /// Sizes that were learned, in logarithms: s in units of this fit.
+    fn sizes(&self, learned: &Learned) -> Vec<f64> {
+        let s_ln = (learned.s_mm / self.unit_mm).ln();
+        std::iter::once(s_ln).chain(learned.rho_ln.iter().copied()).collect()
     }
 
     /// The means of the prior.
