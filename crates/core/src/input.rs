@@ -4,6 +4,7 @@
 //! [`Document::finish`] turns the notes into `Problems`. Keys nobody asked for are problems too, so a
 //! misspelt key is never silently ignored.
 
+use crate::Day;
 use crate::names;
 use crate::problem::{Problem, Problems};
 use nalgebra::Vector3;
@@ -13,6 +14,9 @@ use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+/// What a key of a day may hold.
+const DAY: &str = "a day such as 2026-11-23";
 
 /// A TOML file being read, with the problems found so far.
 pub struct Document<'a> {
@@ -146,6 +150,19 @@ impl<'d> Table<'d> {
     pub fn optional_one_of(&self, key: &str, allowed: &[&str]) -> Option<String> {
         let value = self.optional_string(key)?;
         self.check_one_of(key, value, allowed)
+    }
+
+    /// A day, if present: a date of TOML, or the same as a string.
+    pub fn optional_day(&self, key: &str) -> Option<Day> {
+        let (day, found) = match self.get(key)?.get_ref() {
+            DeValue::Datetime(date) => (Day::of(*date), date.to_string()),
+            DeValue::String(text) => (Day::parse(text), format!("\"{text}\"")),
+            other => return self.wrong(key, other, DAY),
+        };
+        if day.is_none() {
+            self.problem(key, format!("= {found}"), DAY, "");
+        }
+        day
     }
 
     /// A required number within `allowed`.
@@ -367,33 +384,4 @@ fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_problem_is_reported_at_once_with_its_line() {
-        let text = "name = 3\n[probes]\nsilence_ms = 5\nsilense = 1\n";
-        let document = Document::parse("trunnion.toml", text).unwrap();
-        let root = document.root();
-        let name = root.string("name");
-        let probes = root.table("probes").unwrap();
-        probes.number("silence_ms", 20.0..=10000.0);
-        probes.no_other_keys();
-        root.no_other_keys();
-        let problems = document.finish(name).unwrap_err();
-        let lines: Vec<_> = problems.0.iter().map(|p| (p.line, p.found.as_str())).collect();
-        assert_eq!(
-            lines,
-            [(1, "name is integer"), (3, "probes.silence_ms = 5"), (4, "probes.silense is not known here")]
-        );
-        assert!(
-            problems.to_string().contains("trunnion.toml:3:14: probes.silence_ms = 5; allowed: 20..=10000")
-        );
-    }
-
-    #[test]
-    fn a_syntax_error_names_its_line() {
-        let problems = Document::parse("machine.toml", "a = 1\nb = = 2\n").err().unwrap();
-        assert_eq!((problems.0[0].line, problems.0[0].file.as_str()), (2, "machine.toml"));
-    }
-}
+mod tests;

@@ -6,9 +6,11 @@
 
 mod artefact;
 pub mod axis;
+mod calibration;
 mod chain;
 pub mod channel;
 pub mod convert;
+mod day;
 pub mod direction;
 pub mod input;
 mod kind;
@@ -29,8 +31,10 @@ mod twist;
 
 pub use artefact::{Artefact, Target};
 pub use axis::{AxisValues, Joint, JointError, Slot};
+pub use calibration::{Calibration, read_calibrations};
 pub use chain::chain;
 pub use channel::{Channel, Role};
+pub use day::Day;
 pub use kind::{InstrumentKind, ReadingColumn};
 pub use point::{Lacks, Point, Quality};
 pub use problem::{Problem, Problems};

@@ -1,6 +1,7 @@
 //! A setup: one instrument mounted in one way. The `[[setup]]` tables of docs/design/contracts.md §2.
 
 use crate::artefact::{Artefact, read_artefact};
+use crate::calibration::{Calibration, read_calibrations};
 use crate::input::{Document, Table};
 use crate::kind::{InstrumentKind, ReadingColumn};
 use crate::renamed::{Renamed, read_columns};
@@ -126,6 +127,8 @@ pub struct SetupFile {
     pub setups: Vec<Setup>,
     /// Which columns of a table of another program hold what; empty for a points file.
     pub columns: Vec<Renamed>,
+    /// What the certificates of the sensors say.
+    pub calibrations: Vec<Calibration>,
 }
 
 /// Reads `setup.toml`, `format = "trunnion-points/1"`.
@@ -139,14 +142,14 @@ pub fn parse_setup_file(file: &str, text: &str) -> Result<SetupFile, Problems> {
     let machine = root.string("machine");
     let setups = read_setups(&root);
     let columns = read_columns(&root);
+    let calibrations = read_calibrations(&root, None);
     root.no_other_keys();
     drop(root);
-    let parsed = format.and(machine).zip(setups).zip(columns).map(|((machine, setups), columns)| SetupFile {
-        machine,
-        setups,
-        columns,
-    });
-    document.finish(parsed)
+    let parsed = || {
+        format?;
+        Some(SetupFile { machine: machine?, setups: setups?, columns: columns?, calibrations: calibrations? })
+    };
+    document.finish(parsed())
 }
 
 /// The machine that a setup file names, whatever else is wrong with the file.

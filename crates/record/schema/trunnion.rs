@@ -21,6 +21,23 @@ pub struct RunHeader {
     pub host_start_ns: i64,
     #[prost(string, repeated, tag = "10")]
     pub probe_roles: ::prost::alloc::vec::Vec<::prost::alloc::string::String>,
+    #[prost(message, repeated, tag = "11")]
+    pub calibrations: ::prost::alloc::vec::Vec<Calibration>,
+}
+#[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
+pub struct Calibration {
+    #[prost(string, tag = "1")]
+    pub sensor: ::prost::alloc::string::String,
+    #[prost(string, tag = "2")]
+    pub serial: ::prost::alloc::string::String,
+    #[prost(string, tag = "3")]
+    pub certificate: ::prost::alloc::string::String,
+    #[prost(string, tag = "4")]
+    pub laboratory: ::prost::alloc::string::String,
+    #[prost(string, tag = "5")]
+    pub date: ::prost::alloc::string::String,
+    #[prost(string, tag = "6")]
+    pub valid_until: ::prost::alloc::string::String,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct Setup {

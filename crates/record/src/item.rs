@@ -1,6 +1,8 @@
 //! What a recording holds: the header of the run and the items that follow.
 
-use trunnion_core::{AxisSample, Event, Gap, HostTime, Point, ProbeSample, Problems, Role, Setup};
+use trunnion_core::{
+    AxisSample, Calibration, Event, Gap, HostTime, Point, ProbeSample, Problems, Role, Setup,
+};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::Machine;
 
@@ -23,6 +25,8 @@ pub struct RunHeader {
     pub probes: Vec<String>,
     /// What each probe channel is for; empty in imports and in recordings of before 0.2.
     pub probe_roles: Vec<Role>,
+    /// What the certificates of the sensors say; empty where nobody said it, and in recordings of before 0.2.
+    pub calibrations: Vec<Calibration>,
     /// The cycle file; empty when there was none.
     pub cycle_text: String,
     /// The configuration of the program; empty when there was none.
@@ -47,6 +51,7 @@ impl RunHeader {
             temperature_channels: Vec::new(),
             probes: Vec::new(),
             probe_roles: Vec::new(),
+            calibrations: Vec::new(),
             cycle_text: String::new(),
             config_text: String::new(),
             software_version: String::new(),

@@ -1,5 +1,6 @@
 //! Items as protobuf messages and back.
 
+mod calibration;
 mod message;
 mod samples;
 mod setup;
@@ -89,6 +90,7 @@ pub fn encode_header(header: &RunHeader) -> Encoded {
         temperature_channels: header.temperature_channels.clone(),
         probes: header.probes.clone(),
         probe_roles: header.probe_roles.iter().map(|role| role.name().into()).collect(),
+        calibrations: header.calibrations.iter().map(calibration::encode).collect(),
         software_version: header.software_version.clone(),
         wall_start_ns: header.wall_start_ns,
         host_start_ns: header.host_start.0,
@@ -103,6 +105,7 @@ fn header_from(message: pb::RunHeader) -> Result<RunHeader, WireError> {
         _ => return Err(WireError::Inconsistent("RunHeader")),
     };
     let setups: Option<Vec<Setup>> = message.setups.into_iter().map(setup::decode).collect();
+    let calibrations: Option<Vec<_>> = message.calibrations.into_iter().map(calibration::decode).collect();
     let roles: Option<Vec<Role>> = message.probe_roles.iter().map(|name| Role::named(name)).collect();
     Ok(RunHeader {
         name: message.name,
@@ -113,6 +116,7 @@ fn header_from(message: pb::RunHeader) -> Result<RunHeader, WireError> {
         temperature_channels: message.temperature_channels,
         probes: message.probes,
         probe_roles: roles.ok_or(WireError::Inconsistent("RunHeader"))?,
+        calibrations: calibrations.ok_or(WireError::Inconsistent("RunHeader"))?,
         cycle_text: String::new(),
         config_text: String::new(),
         software_version: message.software_version,

@@ -69,12 +69,16 @@ fn first_page(report: &Report) -> String {
     let identity = &report.identity;
     let not_recorded = |text: &Option<String>| text.clone().unwrap_or_else(|| "not recorded".into());
     let about = [
-        ("Machine", identity.machine.clone()),
-        ("Serial number", not_recorded(&identity.serial)),
-        ("Operator", not_recorded(&identity.operator)),
-        ("Measured", identity::measured(identity)),
+        ("Machine", vec![identity.machine.clone()]),
+        ("Serial number", vec![not_recorded(&identity.serial)]),
+        ("Operator", vec![not_recorded(&identity.operator)]),
+        ("Measured", vec![identity::measured(identity)]),
+        ("Probe calibration", identity::calibrated(identity)),
     ]
-    .map(|(name, value)| format!("<div>{}{}</div>", element("dt", name), element("dd", &value)))
+    .map(|(name, values)| {
+        let values: String = values.iter().map(|value| element("dd", value)).collect();
+        format!("<div>{}{values}</div>", element("dt", name))
+    })
     .concat();
     format!(
         "<header><p class=\"soft\">Trunnion report</p>\n<dl class=\"about\">{about}</dl>\n<h1>{}</h1>\n{}</header>\n{}{}{}{}{}",

@@ -3,6 +3,7 @@
 use crate::number::{plain, um, value_and_u, with_unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trunnion_core::Day;
 use trunnion_core::number::{fixed, signed};
 use trunnion_engine::fit::doubts as engine;
 use trunnion_engine::plausibility::{ClockDoubt, Differs, How, Remainders, Rounded, Unlike};
@@ -49,11 +50,13 @@ pub enum DoubtReason {
     OtherMachine,
     /// The location errors of two runs are as unlike as those of two machines.
     UnlikeRuns,
+    /// A run was measured after a calibration of its sensors had ended.
+    CalibrationOutOfDate,
 }
 
 impl DoubtReason {
     /// Every reason.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Collinear,
         Self::BeyondPhysical,
         Self::LongerThanRun,
@@ -66,6 +69,7 @@ impl DoubtReason {
         Self::LoneReadings,
         Self::OtherMachine,
         Self::UnlikeRuns,
+        Self::CalibrationOutOfDate,
     ];
 }
 
@@ -90,6 +94,18 @@ impl Doubt {
              that it fixes or expects are taken as they stand. Name a model file of {of_runs}, or correct the machine in this one."
         );
         Self { effect: None, names: Vec::new(), reason: DoubtReason::OtherMachine, words }
+    }
+}
+
+impl Doubt {
+    /// About a run that was measured on a day after the calibration of these sensors had ended.
+    pub fn calibration(run: &str, sensors: &[&str], until: Day, measured: Day) -> Self {
+        let words = format!(
+            "the calibration of {} was valid until {until}, and run {run} was measured on {measured}. Have it renewed, or \
+             correct [[calibration]] where that was done.",
+            sensors.join(", ")
+        );
+        Self { effect: None, names: Vec::new(), reason: DoubtReason::CalibrationOutOfDate, words }
     }
 }
 

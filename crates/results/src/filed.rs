@@ -4,6 +4,7 @@ use crate::comparison::Comparison;
 use crate::conformity::Conformity;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use trunnion_core::{Calibration, Day};
 
 /// `trunnion-report/1`: a report to be filed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -101,10 +102,44 @@ pub struct RunIdentity {
     pub probes: Vec<String>,
     /// Directions of the probes, one line each; empty when they are not recorded.
     pub probe_calibration: Vec<String>,
+    /// What the certificates of the sensors say; empty when nobody said it.
+    #[serde(default)]
+    pub calibrations: Vec<SensorCalibration>,
     /// Every temperature channel.
     pub temperatures: Vec<TemperatureRange>,
     /// Version of the program that recorded.
     pub recorded_with: String,
+}
+
+/// What the certificate of a sensor says. What is null is not recorded.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SensorCalibration {
+    /// Name of the sensor.
+    pub sensor: String,
+    /// Its serial number.
+    pub serial: Option<String>,
+    /// Number of the certificate.
+    pub certificate: Option<String>,
+    /// Who calibrated it.
+    pub laboratory: Option<String>,
+    /// Day of the calibration, `YYYY-MM-DD`.
+    pub date: Option<String>,
+    /// Last day on which it holds, `YYYY-MM-DD`.
+    pub valid_until: Option<String>,
+}
+
+impl From<&Calibration> for SensorCalibration {
+    fn from(of: &Calibration) -> Self {
+        let day = |day: Option<Day>| day.map(|day| day.to_string());
+        Self {
+            sensor: of.sensor.clone(),
+            serial: of.serial.clone(),
+            certificate: of.certificate.clone(),
+            laboratory: of.laboratory.clone(),
+            date: day(of.date),
+            valid_until: day(of.valid_until),
+        }
+    }
 }
 
 /// What a temperature channel read while a run was measured.

@@ -78,7 +78,9 @@ pub use diagnosis::{
     PlannedCycle, Residual, ShapeNumber, Together, Verdict,
 };
 pub use doubt::{Doubt, DoubtReason};
-pub use filed::{Filed, FiledFormat, Identity, Report, ReportFormat, RunIdentity, TemperatureRange};
+pub use filed::{
+    Filed, FiledFormat, Identity, Report, ReportFormat, RunIdentity, SensorCalibration, TemperatureRange,
+};
 pub use findings::{
     AxisName, Cell, Chart, Column, Curve, Findings, FindingsFormat, FoundValue, MapPlace, NamedAmount, Plot,
     Table, ValueKind,

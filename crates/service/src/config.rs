@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use trunnion_acquire::config::channels;
 use trunnion_acquire::{DeviceConfig, read_devices};
 use trunnion_core::input::{Document, Table};
-use trunnion_core::{Problems, Role};
+use trunnion_core::{Calibration, Problems, Role, read_calibrations};
 use trunnion_sync::{CycleBounds, NestCalibration, StartRule};
 
 /// What the service needs to know.
@@ -38,6 +38,8 @@ pub struct Config {
     pub cycle_start: StartRule,
     /// Devices.
     pub devices: Vec<DeviceConfig>,
+    /// What the certificates of their sensors say.
+    pub calibrations: Vec<Calibration>,
     /// Broker, if any.
     pub mqtt: Option<MqttConfig>,
     /// Where agents of MTConnect reach the service; nowhere without it.
@@ -148,7 +150,10 @@ fn read(document: &Document<'_>, file: &Path, text: &str, nest: ReadNest) -> Opt
         );
     }
     let devices = read_devices(&root);
-    let probes = devices.as_deref().is_some_and(has_probes);
+    let channels = devices.as_deref().map(channels).unwrap_or_default();
+    let sensors: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
+    let calibrations = read_calibrations(&root, devices.as_ref().map(|_| &sensors[..]));
+    let probes = channels.iter().any(|channel| matches!(channel.role, Role::Probe(_)));
     let (nest, has_nest) = (nest(&root, probes), root.has("nest"));
     let mqtt = root
         .optional_table("mqtt")
@@ -194,6 +199,7 @@ fn read(document: &Document<'_>, file: &Path, text: &str, nest: ReadNest) -> Opt
         has_nest,
         cycle_start: cycle_start?,
         devices: devices?,
+        calibrations: calibrations?,
         mqtt,
         mtconnect,
         opcua,
@@ -224,10 +230,6 @@ fn read_programs(root: &Table<'_>, folder: &Path) -> Option<Vec<ProgramCycle>> {
 
 fn has_numbers(programs: &[ProgramCycle]) -> bool {
     programs.iter().any(|of| matches!(of.begun_by, BegunBy::Signal(_)))
-}
-
-fn has_probes(devices: &[DeviceConfig]) -> bool {
-    channels(devices).iter().any(|channel| matches!(channel.role, Role::Probe(_)))
 }
 
 fn read_page(table: &Table<'_>) -> Option<PageConfig> {

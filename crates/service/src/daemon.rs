@@ -278,7 +278,8 @@ async fn measure(
     let mut progress = |now: Progress| {
         states.go_on(CycleState::Measuring, &name, cycle_under_way(now));
     };
-    let run = NewRun { plan: &choice.plan, texts: &choice.texts, folder: &config.recordings, name: &name };
+    let (calibrations, folder) = (&config.calibrations[..], &config.recordings);
+    let run = NewRun { plan: &choice.plan, texts: &choice.texts, calibrations, folder, name: &name };
     match measure_cycle(&run, live, start, &mut progress).await {
         Ok(unfinished) => {
             let Measured { points, reason, gaps, .. } = &unfinished.measured;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use tracing::info;
-use trunnion_core::{Clock, Gap};
+use trunnion_core::{Calibration, Clock, Gap};
 use trunnion_record::{RecordSender, Recorder, RecorderHandle, RunHeader};
 
 /// Texts that go into a recording word for word.
@@ -47,6 +47,8 @@ pub struct NewRun<'a> {
     pub plan: &'a Plan,
     /// What is kept word for word.
     pub texts: &'a Texts,
+    /// What the certificates of the sensors say.
+    pub calibrations: &'a [Calibration],
     /// Folder of the recording.
     pub folder: &'a Path,
     /// Name of the run and of the file.
@@ -137,13 +139,14 @@ impl Unfinished {
 }
 
 fn header(run: &NewRun<'_>, start: &Start, clock: &Arc<dyn Clock>) -> RunHeader {
-    let NewRun { plan, texts, name, .. } = *run;
+    let NewRun { plan, texts, calibrations, name, .. } = *run;
     RunHeader {
         machine_text: texts.machine.clone(),
         setups: plan.cycle.setups.clone(),
         temperature_channels: start.temperature_channels.clone(),
         probes: plan.channels.iter().map(|channel| channel.name.clone()).collect(),
         probe_roles: plan.channels.iter().map(|channel| channel.role).collect(),
+        calibrations: calibrations.to_vec(),
         cycle_text: texts.cycle.clone(),
         config_text: texts.config.clone(),
         software_version: env!("CARGO_PKG_VERSION").into(),

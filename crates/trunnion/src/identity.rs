@@ -2,6 +2,7 @@
 
 use crate::{Error, moment, page, recorded};
 use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
 use std::fmt::{Debug, Write};
 use std::fs::File;
 use std::io::Read;
@@ -9,10 +10,10 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::UNIX_EPOCH;
 use trunnion_core::number::trimmed;
-use trunnion_core::{InstrumentKind, Setup};
+use trunnion_core::{Day, InstrumentKind, Setup};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_record::RunHeader;
-use trunnion_results::{RunIdentity, TemperatureRange};
+use trunnion_results::{Doubt, RunIdentity, SensorCalibration, TemperatureRange};
 
 /// Bytes of a file in memory at once.
 const CHUNK: usize = 1 << 16;
@@ -32,6 +33,7 @@ pub(crate) fn of_run(path: &Path, run: &Run) -> Result<RunIdentity, Error> {
         setups: run.setups.iter().map(setup).collect(),
         probes: header.probes.clone(),
         probe_calibration: probe_calibration(&header, &run.setups),
+        calibrations: header.calibrations.iter().map(SensorCalibration::from).collect(),
         temperatures: temperatures(run),
         recorded_with: header.software_version,
     })
@@ -90,6 +92,18 @@ fn setup(setup: &Setup) -> String {
     let [x, y, z] = <[f64; 3]>::from(setup.ball_in_table_mm.coords).map(|mm| trimmed(mm, 3));
     let instrument = setup.instrument.title();
     format!("{}: {instrument}, ball at X {x} mm, Y {y} mm, Z {z} mm", setup.name)
+}
+
+/// The doubts about a run that was measured after calibrations of its sensors had ended; none where a run has no day.
+pub(crate) fn calibration_doubts(header: &RunHeader) -> Vec<Doubt> {
+    let Some(day) = moment::day(header.wall_start_ns).as_deref().and_then(Day::parse) else {
+        return Vec::new();
+    };
+    let mut ended = BTreeMap::<Day, Vec<&str>>::new();
+    for calibration in header.calibrations.iter().filter(|calibration| calibration.is_out_of_date(day)) {
+        ended.entry(calibration.valid_until.unwrap_or(day)).or_default().push(&calibration.sensor);
+    }
+    ended.iter().map(|(until, sensors)| Doubt::calibration(&header.name, sensors, *until, day)).collect()
 }
 
 /// The directions of the probes of an R-test, as the configuration in the recording has them.

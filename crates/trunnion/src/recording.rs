@@ -6,8 +6,8 @@
 
 use crate::completeness::Planned;
 use crate::gaps::Gaps;
-use crate::timing;
 use crate::timing::Timing;
+use crate::{identity, timing};
 use std::path::Path;
 use std::sync::mpsc;
 use trunnion_core::{Gap, Point};
@@ -15,8 +15,8 @@ use trunnion_cycles::{Run, RunKind};
 use trunnion_engine::Nominal;
 use trunnion_engine::plausibility::{PositionDigits, Rounded};
 use trunnion_machine::{Machine, NamePlate};
-
 use trunnion_record::{Damage, Item, RecordError, RunHeader, RunStart};
+use trunnion_results as results;
 use trunnion_sync::CycleEvent;
 use trunnion_sync::blocks::{Limits, Reducer};
 use trunnion_sync::forming::Forming;
@@ -46,6 +46,8 @@ pub struct Recording {
     pub rounded: Option<Rounded>,
     /// What the machine file in it says of the one machine; nothing where it has none that this version reads.
     pub plate: NamePlate,
+    /// That calibrations of its sensors had ended.
+    pub calibration: Vec<results::Doubt>,
 }
 
 /// Points in one batch between the threads, and batches waiting.
@@ -115,6 +117,7 @@ fn gather(
     let (send, batches) = mpsc::sync_channel::<Batch>(QUEUE);
     let of_header = header.machine().and_then(Result::ok).or_else(|| machine(&header.machine_name));
     let plate = NamePlate::parse("machine in the recording", &header.machine_text).unwrap_or_default();
+    let calibration = identity::calibration_doubts(&header);
     let of_cycle = || of_header.and_then(|machine| Planned::of(&header, &machine));
     let planned = before.map(Planned::next_part).or_else(of_cycle);
     let mut points =
@@ -133,7 +136,7 @@ fn gather(
     let timing = timing.map(|timing| timing.quality(&gaps));
     let run = start.run(points);
     let rounded = digits.and_then(|digits| digits.finish(&run.name));
-    Ok(Recording { run, reduction, planned, gaps, damage, timing, samples, rounded, plate })
+    Ok(Recording { run, reduction, planned, gaps, damage, timing, samples, rounded, plate, calibration })
 }
 
 /// Hands over the points that the samples give with the clocks of the whole run.

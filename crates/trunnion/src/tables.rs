@@ -11,7 +11,7 @@ use crate::experiment::read;
 use crate::gaps::Missing;
 use crate::{Error, Experiment, files};
 use std::path::Path;
-use trunnion_core::setup::parse_setup_file;
+use trunnion_core::setup::{SetupFile, parse_setup_file};
 use trunnion_core::{AxisSample, Point};
 use trunnion_cycles::{Run, RunKind};
 use trunnion_record::{Item, RunHeader, RunWriter, points_csv};
@@ -28,9 +28,10 @@ pub fn import(kind: RunKind, points: &Path, setup: &Path, output: &Path) -> Resu
     let name = output.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy());
     let not_written = Error::not_recorded(output);
     let begin = |run: &Run| -> Result<RunWriter, Error> {
-        let machine = parse_setup_file(&setup_file, &setup_text)?.machine;
+        let SetupFile { machine, calibrations, .. } = parse_setup_file(&setup_file, &setup_text)?;
         let machine_text = files::machine_text(&files::next_to(setup, &machine))?;
-        let header = RunHeader::of_run(run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
+        let of_run = RunHeader::of_run(run, &machine_text, env!("CARGO_PKG_VERSION"), 0);
+        let header = RunHeader { calibrations, ..of_run };
         RunWriter::create(output, &header).map_err(not_written)
     };
     let (mut writer, mut count) = (None, 0_u64);

@@ -326,7 +326,7 @@ async fn measure(
         .context("the simulated devices went away")?;
     let run_name = daemon::free_name(&args.output, name);
     let mut bar = ProgressBar::new(args.json);
-    let run = NewRun { plan: &plan, texts: &texts, folder: &args.output, name: &run_name };
+    let run = NewRun { plan: &plan, texts: &texts, calibrations: &[], folder: &args.output, name: &run_name };
     states.begin(
         CycleState::Measuring,
         &run_name,

@@ -77,7 +77,8 @@ async fn record(config: &Config, choice: &Choice, clock: Arc<dyn Clock>) -> anyh
     let start = live.wait_for_start().await.context("stopped before the cycle began");
     ready.abort();
     let start = start?;
-    let run = NewRun { plan, texts, folder: &config.recordings, name: &name };
+    let run =
+        NewRun { plan, texts, calibrations: &config.calibrations, folder: &config.recordings, name: &name };
     let mut bar = ProgressBar::new(false);
     let recorded = daemon::record_cycle(&run, &mut live, start, &mut |progress| bar.show(progress)).await;
     bar.clear();

@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use trunnion::Filing;
 use trunnion::files::may_be_replaced;
 use trunnion::report::{Issuer, Language, dcc_xml, report_html};
+use trunnion_core::Day;
 use trunnion_service::print;
 
 /// Write a report to be filed: a page made to be printed, and a PDF
@@ -83,11 +84,8 @@ fn country(text: &str) -> Result<String, String> {
 }
 
 fn day(text: &str) -> Result<String, String> {
-    let stamp = trunnion_protocol::mtconnect::parse_timestamp(&format!("{text}T00:00:00Z"));
-    match stamp.filter(|_| text.len() == 10) {
-        Some(_) => Ok(text.into()),
-        None => Err("allowed: a day such as 2026-11-23".into()),
-    }
+    let day = Day::parse(text).map(|day| day.to_string());
+    day.ok_or_else(|| "allowed: a day such as 2026-11-23".into())
 }
 
 fn language(code: &str) -> Result<Language, String> {

@@ -5,7 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use std::path::Path;
 use std::time::Duration;
 use trunnion_core::{
-    AxisSample, AxisValues, Event, Gap, HostTime, Lacks, Point, ProbeSample, Quality, Stamp, State,
+    AxisSample, AxisValues, Calibration, Day, Event, Gap, HostTime, Lacks, Point, ProbeSample, Quality,
+    Stamp, State,
 };
 use trunnion_cycles::{Run, RunKind};
 use trunnion_machine::{Machine, shipped};
@@ -35,10 +36,25 @@ fn header(run: &Run) -> RunHeader {
     RunHeader {
         probes: vec!["px".into(), "py".into(), "pz".into()],
         probe_roles: Vec::new(),
+        calibrations: vec![
+            calibrated("px", "2027-05-12"),
+            Calibration { sensor: "py".into(), ..Calibration::default() },
+        ],
         cycle_text: "format = \"trunnion-cycle/1\"\n".into(),
         config_text: "# µm\n".into(),
         host_start: START,
         ..RunHeader::of_run(run, machine_text("table-bc"), "0.1.0", 1_790_000_000_000_000_000)
+    }
+}
+
+fn calibrated(sensor: &str, valid_until: &str) -> Calibration {
+    Calibration {
+        sensor: sensor.into(),
+        serial: Some("1702".into()),
+        certificate: Some("K-2026-081".into()),
+        laboratory: Some("Prüfstelle".into()),
+        date: Day::parse("2026-05-12"),
+        valid_until: Day::parse(valid_until),
     }
 }
 

@@ -56,7 +56,7 @@ fn core(report: &Report, issuer: &Issuer, country: &str, name: &str) -> Result<S
     Ok(holding("dcc:coreData", &body))
 }
 
-fn identification(issuer: &str, value: &str, name: &str) -> String {
+pub fn identification(issuer: &str, value: &str, name: &str) -> String {
     let body = plain("dcc:issuer", issuer) + &plain("dcc:value", value) + &text("dcc:name", name);
     holding("dcc:identification", &body)
 }
@@ -80,7 +80,7 @@ fn statements(report: &Report) -> String {
     };
     let mut remarks = vec![
         "This certificate was written by a program; nobody has accredited it.".to_owned(),
-        "The calibration of the probes is not part of the uncertainties unless it is recorded.".to_owned(),
+        "The calibration of the probes is not part of the uncertainties.".to_owned(),
         complete.to_owned(),
     ];
     remarks.extend(inadequate(fit));

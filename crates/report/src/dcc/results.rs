@@ -1,12 +1,14 @@
 //! Method, equipment, temperatures, and every observable parameter of the machine.
 
-use super::administrative::software;
+use super::administrative::{identification, software};
 use super::issuer::DccError;
 use super::quantity::{Uncertainty, celsius, quantity};
 use super::xml::{holding, plain, stated, text};
 use crate::filed::conformity::places;
 use crate::words::{about, effect_name, is_setting};
-use trunnion_results::{Identification, Parameter, Report, RunIdentity, TemperatureRange, Verdict};
+use trunnion_results::{
+    Identification, Parameter, Report, RunIdentity, SensorCalibration, TemperatureRange, Verdict,
+};
 
 pub fn data(report: &Report) -> Result<String, DccError> {
     if report.comparison.diagnosis.as_ref().is_none_or(|d| d.verdict == Verdict::NotJudged) {
@@ -80,15 +82,35 @@ fn used_method(fit: &Identification) -> String {
     holding("dcc:usedMethods", &holding("dcc:usedMethod", &body))
 }
 
-/// Instruments of a run; their own calibration as far as it is recorded.
+/// Instruments of a run, then its sensors with their certificates as far as they are recorded.
 fn equipment(run: &RunIdentity) -> Vec<String> {
-    let calibration = stated(Some(run.probe_calibration.join("; ").as_str()));
+    let directions = stated(Some(run.probe_calibration.join("; ").as_str()));
     let one = |setup: &String| {
-        let described = format!("Probe calibration: {calibration}");
+        let described = format!("Directions of the probes in nest axes: {directions}");
         let body = text("dcc:name", setup) + &text("dcc:description", &described);
         holding("dcc:measuringEquipment", &body)
     };
-    run.setups.iter().map(one).collect()
+    run.setups.iter().map(one).chain(run.calibrations.iter().map(sensor)).collect()
+}
+
+fn sensor(of: &SensorCalibration) -> String {
+    let [laboratory, date, until] =
+        [&of.laboratory, &of.date, &of.valid_until].map(|text| stated(text.as_deref()));
+    let described = format!("Laboratory: {laboratory}. Calibrated: {date}. Valid until: {until}.");
+    let numbers = [
+        ("manufacturer", &of.serial, "Serial number"),
+        ("calibrationLaboratory", &of.certificate, "Number of the calibration certificate"),
+    ];
+    let numbers = numbers.into_iter().filter_map(|(issuer, number, name)| {
+        number.as_deref().map(|number| identification(issuer, &stated(Some(number)), name))
+    });
+    let numbers: String = numbers.collect();
+    let identified = if numbers.is_empty() { numbers } else { holding("dcc:identifications", &numbers) };
+    let name = format!("Sensor {}", of.sensor);
+    holding(
+        "dcc:measuringEquipment",
+        &(text("dcc:name", &name) + &text("dcc:description", &described) + &identified),
+    )
 }
 
 fn conditions(runs: &[RunIdentity]) -> String {

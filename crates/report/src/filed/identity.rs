@@ -1,8 +1,8 @@
 //! Whose report it is: machine, people, recordings.
 
-use crate::markup::{element, escape};
+use crate::markup::{element, escape, table};
 use crate::number::{MISSING, fixed};
-use trunnion_results::{Identity, Report, RunIdentity, TemperatureRange, sentences};
+use trunnion_results::{Identity, Report, RunIdentity, SensorCalibration, TemperatureRange, sentences};
 
 const NOT_RECORDED: &str = "not recorded";
 
@@ -34,6 +34,34 @@ pub fn measured(identity: &Identity) -> String {
     if days.is_empty() { NOT_RECORDED.into() } else { days.join(", ") }
 }
 
+/// Which sensors are calibrated, by which certificates, and when: one line each, for the first page.
+pub fn calibrated(identity: &Identity) -> Vec<String> {
+    let line = |of: &SensorCalibration| {
+        let known: Vec<&str> =
+            [&of.serial, &of.certificate, &of.date].into_iter().flatten().map(String::as_str).collect();
+        if known.is_empty() { of.sensor.clone() } else { format!("{}: {}", of.sensor, known.join(", ")) }
+    };
+    let mut lines: Vec<String> = Vec::new();
+    for line in identity.runs.iter().flat_map(|run| run.calibrations.iter().map(line)) {
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
+    if lines.is_empty() { vec![NOT_RECORDED.into()] } else { lines }
+}
+
+/// What the certificates of the sensors of a run say.
+fn calibrations(run: &RunIdentity) -> String {
+    let head = ["sensor", "serial number", "certificate", "laboratory", "calibrated", "valid until"];
+    let row = |of: &SensorCalibration| {
+        let known = [&of.serial, &of.certificate, &of.laboratory, &of.date, &of.valid_until];
+        let cells = known.map(|text| text.clone().unwrap_or_else(|| MISSING.into()));
+        [of.sensor.clone()].into_iter().chain(cells).collect()
+    };
+    let rows: Vec<Vec<String>> = run.calibrations.iter().map(row).collect();
+    if rows.is_empty() { String::new() } else { table("Calibration certificates", &head, &[], &rows) }
+}
+
 fn of_run(run: &RunIdentity) -> String {
     let kind = if run.on_the_fly { "on the fly" } else { "at rest" };
     let or_not = |lines: Vec<String>| if lines.is_empty() { vec![NOT_RECORDED.into()] } else { lines };
@@ -50,7 +78,9 @@ fn of_run(run: &RunIdentity) -> String {
         ("Temperatures", or_not(run.temperatures.iter().map(temperature).collect())),
         ("Recorded with", vec![format!("Trunnion {}", run.recorded_with)]),
     ];
-    rows(&format!("Run {}", run.run), &about)
+    let none = run.calibrations.is_empty().then(|| ("Calibration certificates", vec![NOT_RECORDED.into()]));
+    let about: Vec<_> = about.into_iter().chain(none).collect();
+    rows(&format!("Run {}", run.run), &about) + &calibrations(run)
 }
 
 fn temperature(range: &TemperatureRange) -> String {

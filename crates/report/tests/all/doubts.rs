@@ -43,6 +43,10 @@ fn doubts_of(reason: DoubtReason) -> Vec<Doubt> {
         }
         DoubtReason::LoneReadings => vec![lone(None), lone(Some("setup low, component x".into()))],
         DoubtReason::OtherMachine => vec![Doubt::other_machine(["table-bc", "table-ac"])],
+        DoubtReason::CalibrationOutOfDate => {
+            let day = |text| trunnion_core::Day::parse(text).expect("a day");
+            vec![Doubt::calibration("day", &["probe-1", "probe-2"], day("2026-05-12"), day("2026-08-01"))]
+        }
         DoubtReason::UnlikeRuns => {
             let most =
                 || Some(Differs { name: "EZ0B".into(), shown: ["−30.8 µm".into(), "+11.3 µm".into()] });

@@ -56,6 +56,7 @@ fn read_next(
             timing: None,
             samples: None,
             plate: NamePlate::default(),
+            calibration: Vec::new(),
         });
     }
     recording::read_next(path, &|name| files::machine(name).ok(), limits, planned)
@@ -129,11 +130,15 @@ impl Runs {
     pub(super) fn take(&mut self, parts: Vec<(PathBuf, Recording)>) {
         let (mut whole, mut planned, mut samples) = (None::<Run>, None, None::<SampleCounts>);
         let mut reduced = None::<Reduced>;
-        let mut rounded = None::<Rounded>;
+        let (mut rounded, mut calibration) = (None::<Rounded>, Vec::<results::Doubt>::new());
         let (mut readings, mut points) = (0.0, 0.0);
         for (path, part) in parts {
             let Recording { mut run, reduction, gaps, damage, timing, .. } = part;
             rounded = rounded.or(part.rounded);
+            // The parts are of one run and one set of sensors.
+            if calibration.is_empty() {
+                calibration = part.calibration;
+            }
             let good = run.good_points().count() as f64;
             readings +=
                 reduction.as_ref().and_then(Reduced::readings_at_rest).map_or(good, |count| count as f64);
@@ -160,6 +165,7 @@ impl Runs {
         let reduced = reduced.unwrap_or_default();
         self.samples.extend(samples.and_then(|counts| results::Samples::of(&run.name, &counts)));
         self.excluded.extend(reduced.excluded());
+        self.doubts.extend(calibration);
         self.doubts.extend(reduced.doubt(&run));
         self.doubts.extend(clock_doubt(&run).map(|doubt| results::Doubt::clock(&run.name, &doubt)));
         let (gross, small): (Vec<Rounded>, Vec<Rounded>) = rounded.into_iter().partition(Rounded::is_gross);

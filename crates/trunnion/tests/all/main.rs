@@ -5,6 +5,7 @@
 mod adequate;
 mod alarms;
 mod attributed;
+mod calibration;
 mod changes;
 mod collinear_day;
 mod conformity;
