@@ -283,6 +283,7 @@ fn read_ladder(table: &Table<'_>) -> Option<LadderRow> {
         evidence: table.optional_number("evidence", ANY),
         confused_with: table.optional_strings("confused_with").unwrap_or_default(),
         separate_by: table.optional_string("separate_by").unwrap_or_default(),
+        found_with: table.optional_strings("found_with").unwrap_or_default(),
     };
     table.no_other_keys();
     Some(row)
@@ -352,6 +353,9 @@ fn written_ladder(row: &LadderRow) -> Written {
     }
     if !row.separate_by.is_empty() {
         table["separate_by"] = value(&row.separate_by);
+    }
+    if !row.found_with.is_empty() {
+        table["found_with"] = value(row.found_with.iter().map(String::as_str).collect::<Array>());
     }
     if !row.moved.is_empty() {
         let mut moved = Written::new();

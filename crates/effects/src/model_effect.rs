@@ -83,6 +83,23 @@ pub struct LadderRow {
     /// The measurement that separates them; empty where it was confused with none.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub separate_by: String,
+    /// Ids of effects that the model held when that was found, and that were taken out of it since.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub found_with: Vec<String>,
+}
+
+impl LadderRow {
+    /// The row of an effect that was measured again: who added it, and what was found for it when it was added.
+    #[must_use]
+    pub fn again(self, was: Self) -> Self {
+        let Self { by, evidence, confused_with, separate_by, found_with, .. } = was;
+        Self { by, evidence, confused_with, separate_by, found_with, ..self }
+    }
+
+    /// True where a diagnosis said something for it.
+    pub fn was_found(&self) -> bool {
+        self.evidence.is_some() || !self.confused_with.is_empty()
+    }
 }
 
 /// A parameter that moved when an effect came in: it had absorbed a part of what was missing.

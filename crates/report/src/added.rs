@@ -50,6 +50,10 @@ pub(crate) fn as_found(trial: &Trial, row: &LadderRow) -> Vec<String> {
     if !row.separate_by.is_empty() {
         said.push(format!("What separates them: {}", row.separate_by));
     }
+    if !row.found_with.is_empty() {
+        let names: Vec<String> = row.found_with.iter().map(|id| effect_name(id)).collect();
+        said.push(format!("This was found while the model held {} too, taken out since.", names.join("; ")));
+    }
     said.extend(match (&row.by, row.date.as_str()) {
         (_, "") => None,
         (Some(by), date) => Some(format!("Added by {by} on {date}.")),

@@ -56,21 +56,21 @@ fn measure_act<'a>(
     let mut larger = before.clone();
     for (i, entry) in entries.iter_mut().enumerate() {
         let with = larger.with(std::slice::from_ref(entry))?;
-        let by = entry.ladder.take().and_then(|row| row.by);
+        let was = entry.ladder.take().unwrap_or_default();
         let lead = first.clone().filter(|_| i > 0);
-        entry.ladder =
-            Some(LadderRow { by, with: lead, ..ladder_row(experiment, larger.fit(), with.fit(), date) });
+        let row = ladder_row(experiment, larger.fit(), with.fit(), date).again(was);
+        entry.ladder = Some(LadderRow { with: lead, ..row });
         larger = with;
     }
     if let [first, _, ..] = entries {
-        let by = first.ladder.take().and_then(|row| row.by);
-        first.ladder = Some(LadderRow { by, ..ladder_row(experiment, before.fit(), larger.fit(), date) });
+        let was = first.ladder.take().unwrap_or_default();
+        first.ladder = Some(ladder_row(experiment, before.fit(), larger.fit(), date).again(was));
     }
     Ok(larger)
 }
 
 /// A model without one of its effects, and without what came in with it by one act. The ladder rows of the effects after it are measured again, because they said what
-/// adding those did on top of the one that is gone.
+/// adding those did on top of the one that is gone; what a diagnosis said for them is kept, with the name of that one.
 ///
 /// # Errors
 /// When the effect is not in the model or in every model, or a fit fails.
@@ -93,6 +93,8 @@ pub(crate) fn remove(
     let first = model.effects.iter().position(|entry| entry.added_as() == act).unwrap_or(at);
     let mut smaller = model.clone();
     smaller.effects.retain(|entry| entry.added_as() != act);
+    let rows = smaller.effects[first..].iter_mut().filter_map(|entry| entry.ladder.as_mut());
+    rows.filter(|row| row.was_found()).for_each(|row| row.found_with.push(act.into()));
     let fit = measure_ladder(experiment, &mut smaller, first, date)?;
     Ok((smaller, fit))
 }

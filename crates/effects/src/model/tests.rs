@@ -30,6 +30,7 @@ fn formula() -> ModelEffect {
             evidence: Some(12.5),
             confused_with: vec!["backlash:B".into(), "cable-drag:B".into()],
             separate_by: "Approach each pose from both sides.".into(),
+            found_with: vec!["gravity-sag:B".into()],
             ..LadderRow::default()
         }),
         ..ModelEffect::default()

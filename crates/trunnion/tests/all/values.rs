@@ -99,6 +99,11 @@ fn a_model_file_predicts_like_the_fit_that_left_its_values() {
     assert_eq!(removal, "effect = \"backlash:C\"\ndate = \"2026-03-03\"\n");
     let middle = longer.fit().remove("gravity-sag:B", "2026-03-03", None).unwrap();
     assert_eq!(middle.model().predict(&run).unwrap().fitted_on, "2026-03-03", "fitted again");
+    // What a diagnosis said for the later effect was said with the one that is gone in the model.
+    let row_of = |model: &Model| model.ladder().rows.last().unwrap().ladder.clone().unwrap();
+    let (was, now) = (row_of(longer.model()), row_of(middle.model()));
+    assert_eq!((was.found_with, now.found_with.is_empty()), (Vec::new(), now.evidence.is_none()));
+    assert_eq!((now.evidence, &now.confused_with), (was.evidence, &was.confused_with));
 }
 
 const MODEL: &str = "format = \"trunnion-model/1\"\nmachine = \"three-axis\"\n[[effect]]\nid = \"location-errors\"\n\
