@@ -1,6 +1,6 @@
 //! Analysed recordings, which answer the questions of the page; in a process of their own unless a test has them here.
 
-use super::question::{Asks, Head, NoAnswer, Question, Reply, Step};
+use super::question::{Asks, Head, NoAnswer, Question, Reply, Step, Typed};
 use super::stamp::{Stamps, files_of, own_model};
 use crate::found::found;
 use crate::run_record;
@@ -160,18 +160,16 @@ impl Open {
                 let found = fit.experiment().clone().by_method(name, &MethodOptions::default())?;
                 Ok(findings_html(&found, &label()))
             }
-            Asks::Formula { site, component, expression } => {
-                let text = FormulaText {
-                    site: Some(site.clone()),
-                    component: Some(component.clone()),
-                    expression: Some(expression.clone()),
-                    grid: Vec::new(),
-                };
-                to_json_line(&fit.experiment().check_formula(&text))
-            }
+            Asks::Formula(typed) => to_json_line(&fit.experiment().check_formula(&as_text(typed))),
+            Asks::LinearWith(typed) => to_json_line(&diagnosed.linear_with(&as_text(typed))?),
         };
         text.map_err(|failure| NoAnswer::Failed(format!("an answer cannot be written: {failure}")))
     }
+}
+
+fn as_text(Typed { site, component, expression }: &Typed) -> FormulaText {
+    let [site, component, expression] = [site, component, expression].map(|text| Some(text.clone()));
+    FormulaText { site, component, expression, grid: Vec::new() }
 }
 
 /// The work of the process: a question a line, a head and a text for each, until the questions end.

@@ -3,7 +3,7 @@
 use super::access::Access;
 use super::answer::{Refusal, json, json_of, report};
 use super::context::{Answer, Page, person, status_of, wrong};
-use super::question::{Asks, Step};
+use super::question::{Asks, Step, Typed};
 use super::runs::Runs;
 use super::shared::Shared;
 use super::{assets, cycle_calls, filed_calls, live, login, method_calls, set_up_calls};
@@ -42,7 +42,7 @@ pub fn routes(shared: Arc<Shared>, access: Access, cancel: CancellationToken) ->
         .route("/api/runs/{name}/ladder", get(ladder))
         .route("/api/runs/{name}/report", get(compare_page))
         .route("/api/runs/{name}/trial/{effect}", get(trial_page))
-        .route("/api/runs/{name}/linear", get(linear))
+        .route("/api/runs/{name}/linear", get(linear).post(linear_with))
         .route("/api/runs/{name}/model/{effect}", post(add).delete(remove))
         .route("/api/formula", post(formula))
         .merge(filed_calls::routes())
@@ -155,6 +155,14 @@ async fn linear(State(page): State<Page>, Path(name): Path<String>) -> Answer {
     Ok(json(page.runs.ask(&name, Asks::Linear).await?))
 }
 
+async fn linear_with(
+    State(page): State<Page>,
+    Path(name): Path<String>,
+    body: Result<Json<Typed>, JsonRejection>,
+) -> Answer {
+    Ok(json(page.runs.ask(&name, Asks::LinearWith(body.map_err(wrong)?.0)).await?))
+}
+
 async fn compare_page(State(page): State<Page>, Path(name): Path<String>) -> Answer {
     if let Some(left) = page.runs.left_report(&name) {
         return Ok(report(left.into()));
@@ -203,17 +211,17 @@ fn changed(page: &Page, run: &str, effect: &str, state: ModelStep) {
     page.shared.board.publish(&ModelChanged { run: run.into(), effect: effect.into(), state, at_ns });
 }
 
-/// An expression as far as it is typed.
+/// An expression as far as it is typed, and the run that it is for.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Typed {
+struct TypedFor {
     run: String,
     site: String,
     component: String,
     expression: String,
 }
 
-async fn formula(State(page): State<Page>, body: Result<Json<Typed>, JsonRejection>) -> Answer {
-    let Typed { run, site, component, expression } = body.map_err(wrong)?.0;
-    Ok(json(page.runs.ask(&run, Asks::Formula { site, component, expression }).await?))
+async fn formula(State(page): State<Page>, body: Result<Json<TypedFor>, JsonRejection>) -> Answer {
+    let TypedFor { run, site, component, expression } = body.map_err(wrong)?.0;
+    Ok(json(page.runs.ask(&run, Asks::Formula(Typed { site, component, expression })).await?))
 }

@@ -66,18 +66,25 @@ pub enum Asks {
         name: String,
     },
     /// An expression as far as it is typed.
-    Formula {
-        /// Where it acts.
-        site: String,
-        /// What of it.
-        component: String,
-        /// The expression.
-        expression: String,
-    },
+    Formula(Typed),
+    /// Columns for what-if of an expression as it is typed.
+    LinearWith(Typed),
     /// Puts an effect into the model.
     Add(Step),
     /// Takes an effect out of the model.
     Remove(Step),
+}
+
+/// An expression that was typed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Typed {
+    /// Where it acts.
+    pub site: String,
+    /// What of it.
+    pub component: String,
+    /// The expression.
+    pub expression: String,
 }
 
 /// A change of the model of a recording.
@@ -94,7 +101,8 @@ pub struct Step {
 impl Asks {
     /// Whether the answer stays the same as long as recordings and models do, and is worth keeping.
     pub fn is_kept(&self) -> bool {
-        !matches!(self, Self::Formula { .. } | Self::Filed { .. } | Self::Add(_) | Self::Remove(_))
+        let changes = matches!(self, Self::Add(_) | Self::Remove(_));
+        !changes && !matches!(self, Self::Formula(_) | Self::LinearWith(_) | Self::Filed { .. })
     }
 
     /// Recordings that the answer comes from, next to that of the question.

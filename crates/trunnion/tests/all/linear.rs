@@ -56,6 +56,36 @@ fn an_added_effect_can_be_switched_off_again() {
 }
 
 #[test]
+fn an_expression_is_switched_as_an_effect_of_the_catalogue() {
+    let run = open("points-gravity");
+    let base = run.fit(&Model::base("table-bc")).unwrap();
+    // Written by hand, so that nothing measured its ladder row.
+    let of_hand = "\n[[effect]]\nid = \"formula:sag\"\nsite = \"axis:B\"\ncomponent = \"dz\"\nexpression = \"k*(1 - cos(2*B))\"\n";
+    let model = Model::parse("model.toml", base.model().text().to_owned() + of_hand).unwrap();
+    let fit = run.fit(&model).unwrap();
+    let linear = fit.diagnose().unwrap().linear().unwrap();
+    let off = linear.solutions.iter().find(|solution| solution.changed == "formula:sag").unwrap();
+    assert!(off.without && off.rms_um > 1.2 * fit.results().rms_um, "{}", off.rms_um);
+    let page = rms_um(&linear, off);
+    assert!((page - base.results().rms_um).abs() < 2e-3 * page, "{page}");
+    // The same as it is typed on a page, next to the model without it.
+    let text = |text: &str| Some(text.to_string());
+    let [site, component, expression] = [text("axis:B"), text("dz"), text("k*(1 - cos(2*B))")];
+    let typed = FormulaText { site, component, expression, grid: Vec::new() };
+    let [alone, with] = &base.diagnose().unwrap().linear_with(&typed).unwrap().solutions[..] else {
+        panic!("the model, and the model with it")
+    };
+    assert!((alone.rms_um - off.rms_um).abs() < 1e-9 && (with.rms_um - fit.results().rms_um).abs() < 1e-9);
+    assert!(!with.without && with.title == "k*(1 - cos(2*B))", "{}", with.title);
+    // What a diagnosis proposes is offered next to named effects.
+    let diagnosed = base.diagnose().unwrap();
+    if let Some(formula) = diagnosed.results().formula {
+        let id = trunnion::results::sentences::formula_id(&formula);
+        assert!(diagnosed.linear().unwrap().solutions.iter().any(|solution| solution.changed == id), "{id}");
+    }
+}
+
+#[test]
 fn an_expression_is_checked_as_it_is_typed() {
     let run = open("points-gravity");
     let check = |expression: &str| {

@@ -31,6 +31,7 @@ export const nextDay = () => call("/api/history/next-day");
 export const corrected = (by, what) => call("/api/history/corrections", posting({ by, what }));
 export const story = (name) => call(run(name));
 export const linear = (name) => call(`${run(name)}/linear`);
+export const linearWith = (name, typed) => call(`${run(name)}/linear`, posting(typed));
 export const add = (name, effect, by) => call(inModel(name, effect), posting({ by }));
 export const remove = (name, effect, by) => call(inModel(name, effect), sending("DELETE", { by }));
 export const choose = (cycle) => call("/api/cycle/choose", posting({ cycle }));

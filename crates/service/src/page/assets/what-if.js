@@ -8,11 +8,17 @@ import { residualBars } from "./residual-bars.js";
 import { overlay } from "./overlay.js";
 import { posesOf } from "./poses.js";
 
+// Expressions that were fitted on this page: of one run and one model.
+const typed = { of: "", solutions: [] };
+
 export async function make(page) {
   if (!page.run) return [el("h1", {}, "What if"), el("p", {}, "There is no recording yet.")];
   notice(`Fitting ${page.run} with and without each effect …`);
   const linear = await calls.linear(page.run);
   notice("");
+  const of = JSON.stringify([page.run, linear.solutions.map(({ changed, rms_um: um }) => [changed, um])]);
+  if (typed.of !== of) Object.assign(typed, { of, solutions: [] });
+  linear.solutions.push(...typed.solutions);
   const state = prepare(linear);
   const figure = el("p", { class: "big", role: "status", id: "rms" });
   const remark = el("p", { class: "soft" });
@@ -33,7 +39,7 @@ export async function make(page) {
     el("h1", {}, "What if"),
     el("p", {}, "Switch effects on and off: residual and maps follow at once. Nothing is changed in the model."),
     choices("Effects", linear.solutions.slice(1).map((solution, i) => ({
-      text: solution.title, checked: solution.without, value: solution.changed,
+      text: solution.title, checked: solution.without || state.on[i], value: solution.changed,
       set: (on) => (state.on[i] = on !== solution.without),
     })), update),
     el("div", { class: "two" },
@@ -77,7 +83,7 @@ function prepare(linear) {
   return {
     linear, model, changes, deltas, firstRow, directions, rotary,
     way: linear.points.map((point) => directions.indexOf(way(point))),
-    on: changes.map(() => false),
+    on: changes.map((change) => typed.solutions.includes(change)),
     setups: linear.setups.map(() => true),
     ways: directions.map(() => true),
     residual: Float64Array.from(linear.residual_um),
@@ -171,17 +177,35 @@ function editor(page) {
   const expression = el("input", { value: "k*sin(2*B)", id: "expression", size: "40", spellcheck: "false" });
   const answer = el("p", { role: "status" });
   const command = el("p", { class: "formula" });
+  const put = el("button", { type: "button", disabled: true }, "Fit it and switch it on");
+  put.addEventListener("click", async () => {
+    put.disabled = true;
+    answer.textContent = "Fitting the model with it …";
+    try {
+      const [site, component, expression] = values();
+      const { solutions } = await calls.linearWith(page.run, { site, component, expression });
+      const changed = `${site} ${component}: ${expression}`;
+      typed.solutions = typed.solutions.filter((one) => one.changed !== changed);
+      typed.solutions.push({ ...solutions[1], changed, title: changed });
+      await page.show();
+    } catch (failure) {
+      answer.textContent = failure.message;
+    }
+  });
+  const values = () => [site, component, expression].map(({ value }) => value);
   let asked = 0;
   const check = async () => {
     const number = ++asked;
+    put.disabled = true;
     await new Promise((later) => setTimeout(later, 250));
     if (number !== asked) return;
     try {
-      const typed = { run: page.run, site: site.value, component: component.value, expression: expression.value };
-      const checked = await calls.formula(typed);
+      const [site, component, expression] = values();
+      const checked = await calls.formula({ run: page.run, site, component, expression });
       if (number !== asked) return;
+      put.disabled = !checked.valid;
       answer.textContent = checked.valid ? `It can be fitted. Parameters: ${[...checked.parameters, ...checked.shapes].join(", ")}.` : checked.problem;
-      command.textContent = checked.valid ? `trunnion compare ${page.run}.mcap --try formula:mine --site ${typed.site} --component ${typed.component} --expression "${typed.expression}"` : "";
+      command.textContent = checked.valid ? `trunnion compare ${page.run}.mcap --try formula:mine --site ${site} --component ${component} --expression "${expression}"` : "";
     } catch (failure) {
       answer.textContent = failure.message;
     }
@@ -191,6 +215,6 @@ function editor(page) {
   return [
     el("p", {}, "Over A B C in rad, X Y Z in mm, t in s, vB, dirB, T_NAME; every other name is a parameter."),
     el("p", { class: "row" }, el("label", {}, "Where it acts", site), el("label", {}, "Component", component), el("label", {}, "Expression", expression)),
-    answer, command,
+    answer, el("p", {}, put), command,
   ];
 }
