@@ -77,6 +77,22 @@ pub fn counted(count: u64, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
+/// The same as [`fixed`] in a table that programs read: with the minus of ASCII, and `NaN` for what is not finite.
+pub fn in_table(value: f64, decimals: usize) -> String {
+    if value.is_finite() { fixed(value, decimals).replace('−', "-") } else { "NaN".into() }
+}
+
+/// Of odds beyond this power of ten no more is said: so far out no model of the noise holds.
+const MOST_POWER: f64 = 100.0;
+
+/// Odds by their logarithm to base 10: `10^4.5`, `above 10^100`.
+pub fn odds(log10: f64) -> String {
+    match log10 {
+        power if power > MOST_POWER => format!("above 10^{MOST_POWER:.0}"),
+        power => format!("10^{}", in_table(power, 1)),
+    }
+}
+
 fn is_zero(size: &str) -> bool {
     size.chars().all(|c| matches!(c, '0' | '.'))
 }
@@ -94,6 +110,11 @@ mod tests {
     }
 
     #[test]
+    fn odds_are_a_power_of_ten_as_far_as_it_says_something() {
+        assert_eq!([-0.01, 4.52, 99.96, 2092.0].map(odds), ["10^0.0", "10^4.5", "10^100.0", "above 10^100"]);
+    }
+
+    #[test]
     fn what_rounds_to_zero_has_no_sign() {
         assert_eq!([fixed(-1.25, 1), fixed(-0.04, 1), fixed(0.04, 1)], ["−1.2", "0.0", "0.0"]);
         assert_eq!([fixed(-0.4, 0), fixed(-0.6, 0), fixed(-0.0, 4)], ["0", "−1", "0.0000"]);
@@ -103,6 +124,7 @@ mod tests {
             ["−75", "2", "0.05", "0"]
         );
         assert_eq!(trimmed(f64::MAX, 3), format!("{}", f64::MAX));
+        assert_eq!([in_table(-4e-5, 4), in_table(-1.25, 2)], ["0.0000", "-1.25"]);
         assert_eq!([fixed(f64::NAN, 1), signed(f64::INFINITY, 1), trimmed(f64::NAN, 1)], [MISSING; 3]);
     }
 }

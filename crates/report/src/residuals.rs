@@ -1,6 +1,7 @@
 //! Residuals as CSV.
 
 use crate::parameters::quoted;
+use trunnion_core::number::in_table;
 use trunnion_results::{ResidualAxis, ResidualPoint, Residuals};
 
 /// Measured, predicted and residual reading of every point, µm, as a model fits it: one line for a point.
@@ -46,12 +47,12 @@ fn head(residuals: &Residuals, read: impl Iterator<Item = String>) -> String {
 fn place(residuals: &Residuals, point: &ResidualPoint) -> Vec<String> {
     let setup = residuals.setups.get(point.setup).map_or("", |setup| &setup.name);
     let mut cells = vec![quoted(setup), point.time_s.as_ref().map_or_else(String::new, number)];
-    cells.extend(point.position.iter().map(|position| format!("{position:.7}")));
+    cells.extend(point.position.iter().map(|position| in_table(*position, 7)));
     cells
 }
 
 fn number(value: &f64) -> String {
-    format!("{value:.4}")
+    in_table(*value, 4)
 }
 
 /// A component that the instrument does not have is empty.

@@ -3,6 +3,7 @@
 use crate::number::{MISSING, trimmed, um, value_and_u};
 use std::collections::BTreeMap;
 use trunnion_core::Joint;
+use trunnion_core::number::in_table;
 use trunnion_results::{Datum, ErrorMap, LocationError, Looked, ResidualAxis, Volumetric, VolumetricValue};
 
 /// Heads of the table of values.
@@ -141,9 +142,8 @@ pub fn error_map_csv(map: &ErrorMap) -> String {
     }
     let mut text = head.join(",") + "\n";
     for place in &map.places {
-        let position = place.position.iter().map(|at| format!("{:.6}", at + 0.0));
-        let deviation =
-            |value: &Option<f64>| value.map_or_else(String::new, |value| format!("{:.5}", value + 0.0));
+        let position = place.position.iter().map(|at| in_table(*at, 6));
+        let deviation = |value: &Option<f64>| value.map_or_else(String::new, |value| in_table(value, 5));
         let deviations = place.error.iter().chain(&place.u).map(deviation);
         text += &(position.chain(deviations).collect::<Vec<_>>().join(",") + "\n");
     }

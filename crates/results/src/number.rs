@@ -1,7 +1,7 @@
 //! Numbers with their units: what JSON holds ([`finite`]), and what a person reads. What is not finite is not known: `null`
 //! there, a dash here.
 
-pub use trunnion_core::number::{MISSING, fixed, plain, signed, trimmed, um};
+pub use trunnion_core::number::{MISSING, fixed, odds, plain, signed, trimmed, um};
 
 use trunnion_core::number::decimals;
 

@@ -150,7 +150,10 @@ pub fn evidence_words(evidence: f64) -> String {
         e if e * LN_10 >= CLAIM_LN => "It is probably significant",
         _ => "It may be noise",
     };
-    format!("{word}: {odds} against noise only (odds after the prior 10^{evidence:.1})")
+    format!(
+        "{word}: {odds} against noise only (odds after the prior {})",
+        trunnion_core::number::odds(evidence)
+    )
 }
 
 /// A number rounded to its first digit.

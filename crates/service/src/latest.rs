@@ -181,12 +181,10 @@ impl Latest {
     /// zone; a device that does not read. Empty when all is well.
     pub fn not_ready(&self, needed: &[u16]) -> Vec<NotReady> {
         let live = self.snapshot();
-        let remedy = |device: u16| live.devices[usize::from(device)].remedy.clone();
         let of_channel = |&index: &u16| {
             let channel = &self.channels[usize::from(index)];
             let probe = live.probes.iter().find(|probe| probe.name == channel.name)?;
-            let of_device = remedy(channel.device).filter(|_| probe.zone == Zone::NoValue);
-            let why = of_device.unwrap_or_else(|| probe.say.clone());
+            let why = probe.say.clone();
             (!probe.zone.is_good()).then(|| NotReady { source: probe.name.clone(), zone: probe.zone, why })
         };
         let measures = |device: usize| {
@@ -246,9 +244,9 @@ impl Latest {
     /// Everything as it is now.
     pub fn snapshot(&self) -> Live {
         let (values, now) = (self.lock(), self.clock.now());
-        let probes = self.probes(&values, now);
-        let (ball, ball_said) = self.ball(&values, &probes);
         let devices = self.devices();
+        let probes = self.probes(&values, now, &devices);
+        let (ball, ball_said) = self.ball(&values, &probes);
         let say = say::sentences(values.doubt.as_deref(), &devices, &probes, ball_said);
         let axes_device = values.axes.map_or_else(String::new, |(device, _)| self.device(device));
         let fresh = |at: HostTime| now.seconds_since(at) <= OLD_S;
@@ -277,14 +275,21 @@ impl Latest {
         matches!(state, DeviceState::Streaming | DeviceState::Stuck).then_some(axes)
     }
 
-    fn probes(&self, values: &Values, now: HostTime) -> Vec<LiveProbe> {
+    fn probes(&self, values: &Values, now: HostTime, devices: &[LiveDevice]) -> Vec<LiveProbe> {
         let measuring = |(index, channel): (usize, &Channel)| {
-            (channel.role != Role::Temperature).then(|| self.probe(values, now, index, channel))
+            (channel.role != Role::Temperature)
+                .then(|| self.probe(values, now, index, (channel, &devices[usize::from(channel.device)])))
         };
         self.channels.iter().enumerate().filter_map(measuring).collect()
     }
 
-    fn probe(&self, values: &Values, now: HostTime, index: usize, channel: &Channel) -> LiveProbe {
+    fn probe(
+        &self,
+        values: &Values,
+        now: HostTime,
+        index: usize,
+        (channel, live): (&Channel, &LiveDevice),
+    ) -> LiveProbe {
         let device = &self.devices[usize::from(channel.device)];
         let range_mm = device.range_mm(channel);
         let value_mm = values.channels[index].value_mm(now, OLD_S);
@@ -295,7 +300,9 @@ impl Latest {
         };
         let centre_mm = range_mm.map(|[from_mm, to_mm]| (from_mm + to_mm) / 2.0);
         let warning = values.warnings.get(&channel.device).filter(|text| text.starts_with(&channel.name));
-        let say = say::probe(zone, value_mm.zip(centre_mm), stuck, warning.map(String::as_str));
+        // A device that does not read has no value for a reason of its own; of one that is stuck its channel says more.
+        let remedy = live.remedy.as_ref().filter(|remedy| *remedy != say::STUCK).or(warning);
+        let say = say::probe(zone, value_mm.zip(centre_mm), stuck, remedy.map(String::as_str));
         let (name, role) = (channel.name.clone(), channel.role.name().into());
         LiveProbe { name, device: device.name.clone(), role, value_mm, range_mm, centre_mm, zone, say }
     }

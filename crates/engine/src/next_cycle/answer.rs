@@ -7,6 +7,7 @@ use super::rivals::Rivals;
 use super::utility::Utility;
 use std::f64::consts::LN_10;
 use trunnion_core::convert;
+use trunnion_core::number::odds;
 use trunnion_cycles::Cycle;
 use trunnion_cycles::Pace;
 use trunnion_effects::{Instance, Need};
@@ -179,9 +180,9 @@ fn words(
             let mut text = format!("To separate {ids}, measure {}: {}.", best.name, best.what);
             text += &if left_open.is_empty() {
                 format!(
-                    " The odds between the hardest pair rise from 10^{:.1} to 10^{:.1} in {:.0} minutes.",
-                    before_ln / LN_10,
-                    best.separation_ln / LN_10,
+                    " The odds between the hardest pair rise from {} to {} in {:.0} minutes.",
+                    odds(before_ln / LN_10),
+                    odds(best.separation_ln / LN_10),
                     best.minutes
                 )
             } else {
@@ -212,10 +213,10 @@ fn none_separates(design: &CycleDesign<'_>, all_apart: bool, before_ln: f64, con
     let why = match (all_apart, considered.saturating_sub(1)) {
         (true, _) => {
             return format!(
-                "The noise of the present data allows to separate {ids}: odds of 10^{:.1} are expected between the hardest pair. No further \
+                "The noise of the present data allows to separate {ids}: odds of {} are expected between the hardest pair. No further \
                  cycle is needed for that. Where they are found confounded, something else differs from all of them: add the first and \
                  diagnose again.",
-                before_ln / LN_10
+                odds(before_ln / LN_10)
             );
         }
         (false, 0) => format!(
@@ -233,9 +234,9 @@ fn too_faint(design: &CycleDesign<'_>, before: &Utility) -> String {
     let best_ln = before.seen_ln.iter().copied().fold(0.0, f64::max);
     format!(
         "The present data hold too little of {} for any cycle considered to separate them. The largest Bayes factor of one of \
-         them against noise only is 10^{:.1}.",
+         them against noise only is {}.",
         design.ids().join(", "),
-        best_ln / LN_10
+        odds(best_ln / LN_10)
     )
 }
 

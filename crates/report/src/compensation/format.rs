@@ -1,5 +1,6 @@
 //! What a control or format provides, and what all have in common: header, arguments, numbers.
 
+use trunnion_core::number::in_table;
 use trunnion_results::{AxisErrors, Chain, ConfoundedErrors, CorrectionValues};
 
 /// One control or format: plain data and two functions, one constant per file.
@@ -100,10 +101,5 @@ pub(super) fn argument(position: f64) -> String {
 
 /// A value: picometres and picoradians are more than enough.
 pub(super) fn number(value: f64) -> String {
-    let text = format!("{value:.12}");
-    if text.trim_start_matches('-').chars().all(|c| matches!(c, '0' | '.')) {
-        "0.000000000000".into()
-    } else {
-        text
-    }
+    in_table(value, 12)
 }

@@ -10,6 +10,7 @@ use crate::words::{
     repeatability, sizes, sizes_from, together_figures, without_size,
 };
 use std::iter::once;
+use trunnion_core::number::odds;
 use trunnion_results::sentences::doubts;
 use trunnion_results::{Candidate, Comparison, Diagnosis, FormulaProposal, LeftOut};
 
@@ -36,7 +37,7 @@ pub fn diagnosis_text(input: &Comparison) -> String {
         out += "\n";
         let head = ["candidate", "evidence", "error after", "held-out", "explains", "adequate"];
         let rows = diagnosis.candidates.iter().map(|c| {
-            let first = [c.effect.clone(), format!("10^{:.1}", c.evidence)];
+            let first = [c.effect.clone(), odds(c.evidence)];
             first.into_iter().chain(candidate_figures(c)).collect()
         });
         let mut rows: Vec<Vec<String>> = once(head.map(String::from).to_vec()).chain(rows).collect();

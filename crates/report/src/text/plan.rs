@@ -1,6 +1,7 @@
 //! The next cycle, and what a cycle shows, for the terminal.
 
 use super::table::columns;
+use trunnion_core::number::odds;
 use trunnion_results::{Goal, OutOfReach, Plan, Preview, SeenBy};
 
 /// The answer, the cycles considered, and what was assumed.
@@ -9,9 +10,9 @@ pub fn plan_text(plan: &Plan) -> String {
     let separates = plan.goal == Goal::Separate;
     if separates {
         text += &format!(
-            "\nTo separate: {}. In the present data: odds 10^{:.1}.\n",
+            "\nTo separate: {}. In the present data: odds {}.\n",
             plan.effects.join(", "),
-            plan.separation_before
+            odds(plan.separation_before)
         );
     } else if !plan.effects.is_empty() {
         text += &format!("\nNot seen so far: {}.\n", plan.effects.join(", "));
@@ -39,7 +40,7 @@ fn separating(plan: &Plan) -> String {
             row.name.clone(),
             format!("{:.1}", row.minutes),
             format!("{}/{pairs}", row.pairs_apart),
-            format!("10^{:.1}", row.separation),
+            odds(row.separation),
             row.hardest_pair.join(" / "),
             row.what.clone(),
         ]

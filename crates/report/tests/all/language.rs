@@ -75,6 +75,9 @@ fn what_is_left_open_and_what_has_no_value_is_said_in_every_language() {
         "It looks like a displacement along X, Y and Z with rotation about Z at axis B, in the axes of what carries it: above 77° of B, in \
          proportion. An expression for it leaves 0.37 µm rms, so a part remains even then. The named effect closest to it is Axial error motion \
          (axial-error-motion:B), which does not fit fully.",
+        "To separate a:B, b:B, measure turn: C every 25° from 11°. The odds between the hardest pair rise from 10^0.0 to above 10^100 in 12 \
+         minutes.",
+        "This was found while the model held Axial error motion (axial-error-motion:B); windup:C too, taken out since.",
         "with centre = 77.21°, width = 35.79°",
         "In addition, axes have location errors: axis C, as B stands, lies 9.00 µm off along Y; axis C, as A and B stand, leans 64.9 µrad about X \
          (6.49 µm over 100 mm); axis C, as B stands, lies −4.02 µm off along X.",

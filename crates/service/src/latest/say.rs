@@ -16,12 +16,12 @@ const CHECK_STUCK: &str = "check that it moves freely and that its display is no
 const SHOWN_MM: f64 = 0.01;
 
 /// Of a probe: where it stands in its range. `value` is its value with the centre of its range, mm; `stuck` since when its
-/// number is the same, s, and which channel trembles meanwhile.
+/// number is the same, s, and which channel trembles meanwhile; `why` it has no value.
 pub(super) fn probe(
     zone: Zone,
     value: Option<(f64, f64)>,
     stuck: Option<(f64, &str)>,
-    warning: Option<&str>,
+    why: Option<&str>,
 ) -> String {
     let off = signed(value.map_or(0.0, |(value_mm, centre_mm)| value_mm - centre_mm), 2);
     match zone {
@@ -33,7 +33,7 @@ pub(super) fn probe(
                 )
             },
         ),
-        Zone::NoValue => warning.map_or_else(|| "no value".into(), str::to_owned),
+        Zone::NoValue => why.map_or_else(|| "no value".into(), str::to_owned),
         Zone::Unknown => "its range is not known".into(),
         Zone::Centre => format!("{off} mm from its centre"),
         Zone::Inside => format!("{off} mm from its centre; a cycle may leave its range"),
@@ -70,7 +70,10 @@ pub(super) fn sentences(
     let device = |device: &LiveDevice| Some(format!("{}: {}.", device.name, device.remedy.as_deref()?));
     let probe = |probe: &LiveProbe| format!("{}: {}.", probe.name, probe.say);
     let of_devices = devices.iter().filter_map(device);
-    let of_probes = probes.iter().filter(|probe| !probe.zone.is_good()).map(probe);
+    // What was said of its device is not said of a probe again.
+    let is_said =
+        |probe: &LiveProbe| devices.iter().any(|device| device.remedy.as_deref() == Some(&probe.say));
+    let of_probes = probes.iter().filter(|one| !one.zone.is_good() && !is_said(one)).map(probe);
     let doubt = doubt.map(str::to_owned);
     doubt.into_iter().chain(of_devices).chain(of_probes).chain(ball).collect::<Vec<_>>().join(" ")
 }

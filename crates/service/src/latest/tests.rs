@@ -2,7 +2,7 @@
 
 use super::*;
 use std::sync::atomic::{AtomicI64, Ordering};
-use trunnion_acquire::parse_devices;
+use trunnion_acquire::{SessionEnd, parse_devices};
 use trunnion_core::AxisValues;
 use trunnion_core::reading::ProbeReading;
 
@@ -30,7 +30,7 @@ impl Clock for Set {
 struct Bench {
     clock: Arc<Set>,
     latest: Latest,
-    _states: Vec<watch::Sender<DeviceStatus>>,
+    states: Vec<watch::Sender<DeviceStatus>>,
 }
 
 impl Bench {
@@ -39,7 +39,7 @@ impl Bench {
         let streaming = DeviceStatus { state: DeviceState::Streaming, ..DeviceStatus::default() };
         let (senders, states) = devices.iter().map(|_| watch::channel(streaming.clone())).unzip();
         let clock = Arc::new(Set(AtomicI64::new(0)));
-        Self { latest: Latest::new(&devices, states, clock.clone()), clock, _states: senders }
+        Self { latest: Latest::new(&devices, states, clock.clone()), clock, states: senders }
     }
 
     /// A reading of every probe each 10 ms.
@@ -120,6 +120,25 @@ fn a_probe_near_its_end_or_without_a_value_is_said_with_what_to_do() {
     bench.clock.0.fetch_add(3000, Ordering::Relaxed);
     let zone = bench.latest.snapshot().probes[0].zone;
     assert_eq!(zone, Zone::NoValue, "a value of three seconds ago is none");
+}
+
+#[test]
+fn a_wrong_device_is_said_with_its_remedy_as_long_as_it_is_one() {
+    let bench = Bench::new();
+    let [found, expected] = ["ILD1420-50".to_owned(), "an optoNCDT with range 2 mm".to_owned()];
+    let end = SessionEnd::WrongDevice { found, expected };
+    // It is asked again once a minute: until it answers, what it was holds.
+    for state in [DeviceState::WrongDevice, DeviceState::Connecting] {
+        bench.states[2].send_modify(|status| (status.state, status.last_end) = (state, Some(end.clone())));
+        let live = bench.latest.snapshot();
+        assert_eq!(live.probes[2].say, end.to_string());
+        assert!(
+            live.say.matches("wrong device").count() == 1 && !live.say.contains("p3: no value"),
+            "{live:?}"
+        );
+    }
+    bench.states[2].send_modify(|status| status.state = DeviceState::Streaming);
+    assert!(!bench.latest.snapshot().say.contains("wrong device"));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use trunnion::report::ladder_text;
-use trunnion::results::number::{fixed, um};
+use trunnion::results::number::{fixed, odds, um};
 use trunnion::results::sentences::{ALL_CLEAR, repeatability};
 use trunnion::results::{Diagnosis, Identification, LadderRow, Verdict};
 use trunnion::{Analysed, Diagnosed, Fit};
@@ -75,9 +75,9 @@ fn failing(diagnosed: &Diagnosed) -> String {
     text += "What is missing?\n";
     for candidate in diagnosis.candidates.iter().take(3) {
         text += &format!(
-            "  {:24} evidence 10^{:<6.0} error would fall to {}\n",
+            "  {:24} evidence {:<11} error would fall to {}\n",
             candidate.effect,
-            candidate.evidence,
+            odds(candidate.evidence),
             um(candidate.rms_um_after)
         );
     }
