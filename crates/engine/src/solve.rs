@@ -9,5 +9,6 @@ pub mod linear;
 pub(crate) mod logarithms;
 pub(crate) mod normal;
 pub(crate) mod null_space;
+pub(crate) mod pairs;
 pub(crate) mod unseen;
 pub mod words;

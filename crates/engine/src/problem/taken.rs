@@ -8,6 +8,7 @@ use crate::noise::learned::Real;
 use crate::noise::machine_noise::Order;
 use crate::problem::passes::passes;
 use crate::problem::sequence::{clocks_and_times, in_order_taken};
+use crate::solve::pairs::symmetric;
 use nalgebra::DMatrix;
 use std::collections::{HashMap, HashSet};
 use trunnion_core::Joint;
@@ -106,7 +107,7 @@ impl Taken {
 
     fn within_runs(&self, of_one_run: impl Fn(f64, f64) -> f64) -> DMatrix<f64> {
         let points = self.clock_and_time.len();
-        DMatrix::from_fn(points, points, |i, j| {
+        symmetric(points, |i, j| {
             let ((run, from), (other, to)) = (self.clock_and_time[i], self.clock_and_time[j]);
             if run == other { of_one_run(from, to) } else { 0.0 }
         })

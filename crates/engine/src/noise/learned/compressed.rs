@@ -191,10 +191,8 @@ impl<'a> Sums<'a> {
     fn times(&self, columns: &DMatrix<Real>) -> DMatrix<Real> {
         let mut product = DMatrix::zeros(columns.nrows(), columns.ncols());
         for (frame, (pairs, own)) in self.kernels.frames.iter().zip(&self.of_frames) {
-            for (direction, folded) in frame.folded_columns(columns).iter().enumerate() {
-                let moved = pairs * folded + folded * *own;
-                frame.add_unfolded(direction, &moved, &mut product);
-            }
+            let folded = frame.folded_columns(columns);
+            frame.add_unfolded(&(pairs * &folded + folded * *own), &mut product);
         }
         product
     }

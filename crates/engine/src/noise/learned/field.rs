@@ -3,6 +3,7 @@
 use super::Real;
 use crate::Experiment;
 use crate::problem::taken::Taken;
+use crate::solve::pairs::symmetric;
 use nalgebra::DMatrix;
 use trunnion_core::Joint;
 
@@ -11,33 +12,36 @@ const CLOSED_RAD: f64 = 5.2;
 
 /// The rotary axes over which a pattern may repeat. On linear axes a smooth pattern is a component error, which has a name.
 pub(super) struct Axes {
-    /// Positions of each point, rad, and whether the axis closes; slow axis first.
-    pub turning: Vec<(Vec<f64>, bool)>,
+    /// Square of the distance of every pair of points on each, rad², a chord on an axis that closes; slow axis first.
+    pub turning: Vec<DMatrix<f64>>,
+    points: usize,
 }
 
 impl Axes {
     pub fn new(experiment: &Experiment, taken: &Taken) -> Self {
-        let positions = |letter: Joint| {
-            let of_points: Vec<f64> =
-                experiment.points.iter().map(|point| point.state.position[letter]).collect();
+        let points = experiment.points.len();
+        let squares = |letter: Joint| {
+            let at: Vec<f64> = experiment.points.iter().map(|point| point.state.position[letter]).collect();
             let (low, high) = experiment.scene.position_range[letter];
-            (of_points, high - low > CLOSED_RAD)
+            let closes = high - low > CLOSED_RAD;
+            symmetric(points, |i, j| {
+                let turn = at[i] - at[j];
+                if closes { (2.0 * (0.5 * turn).sin()).powi(2) } else { turn.powi(2) }
+            })
         };
-        Self { turning: [taken.slow, taken.fast].into_iter().flatten().map(positions).collect() }
+        Self { turning: [taken.slow, taken.fast].into_iter().flatten().map(squares).collect(), points }
     }
 
-    /// exp(−½ Σ (d/ℓ)²); d a chord on an axis that closes; no length: alike along that axis.
+    /// exp(−½ Σ (d/ℓ)²); no length: alike along that axis.
     pub fn field(&self, lengths: &[Option<f64>]) -> DMatrix<Real> {
-        let points = self.turning.first().map_or(0, |(positions, _)| positions.len());
-        DMatrix::from_fn(points, points, |i, j| {
-            let of_axis = |((positions, closes), length): (&(Vec<f64>, bool), &Option<f64>)| {
-                let Some(length) = length else { return 0.0 };
-                let turn = positions[i] - positions[j];
-                let distance = if *closes { 2.0 * (0.5 * turn).sin() } else { turn };
-                (distance / length).powi(2)
-            };
-            (-0.5 * self.turning.iter().zip(lengths).map(of_axis).sum::<f64>()).exp() as Real
+        let axes = self.turning.iter().zip(lengths);
+        let axes: Vec<(&DMatrix<f64>, f64)> =
+            axes.filter_map(|(squares, length)| Some((squares, (*length)?.powi(-2)))).collect();
+        symmetric(self.points, |i, j| {
+            let square: f64 = axes.iter().map(|(squares, by)| squares[(i, j)] * by).sum();
+            (-0.5 * square).exp()
         })
+        .cast()
     }
 
     /// Mean sizes and lengths (rad, for the slow and the fast axis): round, long along one axis, of one axis alone.

@@ -65,27 +65,30 @@ impl Frame {
         sums
     }
 
-    /// The same of several columns: point × column for each direction.
-    pub fn folded_columns(&self, columns: &DMatrix<Real>) -> Vec<DMatrix<Real>> {
-        let of_direction = |k: usize| {
-            let lever = self.lever.column(k);
-            let mut sums = DMatrix::zeros(self.points, columns.ncols());
+    /// The same of several columns: point × column, the directions next to each other.
+    pub fn folded_columns(&self, columns: &DMatrix<Real>) -> DMatrix<Real> {
+        let width = columns.ncols();
+        let mut sums = DMatrix::zeros(self.points, width * self.lever.ncols());
+        for (lever, first) in self.lever.column_iter().zip((0..).step_by(width.max(1))) {
+            let mut sums = sums.columns_mut(first, width);
             for (mut sums, column) in sums.column_iter_mut().zip(columns.column_iter()) {
                 for (row, &point) in self.point_of_row.iter().enumerate() {
                     sums[point] += lever[row] * column[row];
                 }
             }
-            sums
-        };
-        (0..self.lever.ncols()).map(of_direction).collect()
+        }
+        sums
     }
 
-    /// Adds to every row lever · the value of its point in one direction, column by column.
-    pub fn add_unfolded(&self, direction: usize, values: &DMatrix<Real>, to: &mut DMatrix<Real>) {
-        let lever = self.lever.column(direction);
-        for (mut to, values) in to.column_iter_mut().zip(values.column_iter()) {
-            for (row, &point) in self.point_of_row.iter().enumerate() {
-                to[row] += lever[row] * values[point];
+    /// Adds to every row lever · the values of its point, column by column; `values`: the directions next to each other.
+    pub fn add_unfolded(&self, values: &DMatrix<Real>, to: &mut DMatrix<Real>) {
+        let width = to.ncols();
+        for (lever, first) in self.lever.column_iter().zip((0..).step_by(width.max(1))) {
+            let values = values.columns(first, width);
+            for (mut to, values) in to.column_iter_mut().zip(values.column_iter()) {
+                for (row, &point) in self.point_of_row.iter().enumerate() {
+                    to[row] += lever[row] * values[point];
+                }
             }
         }
     }

@@ -12,6 +12,7 @@ use super::kernel::{Kernel, Over, Part};
 use crate::Experiment;
 use crate::problem::taken::Taken;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -247,17 +248,28 @@ impl Kernels {
 
     /// Cᵀ K_k C of every kernel.
     pub fn through(&self, columns: &DMatrix<Real>) -> Vec<DMatrix<f64>> {
-        let folded: Vec<Vec<DMatrix<Real>>> =
-            self.frames.iter().map(|frame| frame.folded_columns(columns)).collect();
+        let width = columns.ncols();
+        // Of every frame: the directions next to each other, and each transposed.
+        let folded = |frame: &Frame| {
+            let folded = frame.folded_columns(columns);
+            let directions = (0..folded.ncols()).step_by(width.max(1));
+            let across: Vec<DMatrix<Real>> =
+                directions.map(|first| folded.columns(first, width).transpose()).collect();
+            (folded, across)
+        };
+        let folded: Vec<(DMatrix<Real>, Vec<DMatrix<Real>>)> = self.frames.iter().map(folded).collect();
         let of_kernel = |kernel: &Kernel| {
-            let mut sum = DMatrix::zeros(columns.ncols(), columns.ncols());
-            for of_direction in &folded[kernel.frame] {
-                let product = match &kernel.over {
-                    Over::Own => of_direction.transpose() * of_direction,
-                    Over::Pairs(pairs) => of_direction.transpose() * (pairs * of_direction),
-                };
-                sum += product.cast::<f64>();
-            }
+            let (folded, across) = &folded[kernel.frame];
+            // One product for all directions: the pairs are copied once on the way into it.
+            let moved = match &kernel.over {
+                Over::Own => Cow::Borrowed(folded),
+                Over::Pairs(pairs) => Cow::Owned(pairs * folded),
+            };
+            let of_direction =
+                |(k, across): (usize, &DMatrix<Real>)| across * moved.columns(k * width, width);
+            let products = across.iter().enumerate().map(of_direction);
+            let sum: DMatrix<f64> =
+                products.fold(DMatrix::zeros(width, width), |sum, product| sum + product.cast::<f64>());
             (&sum + sum.transpose()) * 0.5
         };
         self.list.iter().map(of_kernel).collect()
