@@ -24,6 +24,17 @@ DATA = pathlib.Path(__file__).resolve().parents[1] / "data"
 SHOTS = os.environ.get("REPORT_SHOTS")
 # Letters of 7 pt can be read without a glass; MuPDF gives sizes to a hundredth.
 SMALLEST_PT = 6.99
+# As a person writes it: a part of it is not recorded.
+CALIBRATION = """
+[[calibration]]
+sensor = "probe-1"
+serial = "1702"
+certificate = "K-2026-081"
+date = 2026-01-12
+[[calibration]]
+sensor = "probe-2"
+laboratory = "Example & Ltd"
+"""
 NAMESPACES = {"dcc": "https://ptb.de/dcc", "si": "https://ptb.de/si"}
 
 
@@ -98,6 +109,9 @@ def certified(tree):
     stated = tree.xpath("//dcc:declaration/dcc:content[contains(., '(u ')]/text()", namespaces=NAMESPACES)
     u = float(re.search(r"\(u ([0-9.]+) µm\)", stated[0])[1])
     check("U is twice the u in words", abs(float(expanded[0]) * 1e6 - 2 * u) <= 0.01, (expanded[0], u))
+    numbers = "//dcc:measuringEquipment[dcc:name/dcc:content='Sensor probe-1']//dcc:value/text()"
+    numbers = tree.xpath(numbers, namespaces=NAMESPACES)
+    check("a sensor has its serial number and certificate", numbers == ["1702", "K-2026-081"], numbers)
     check("the decision is there", tree.xpath("//dcc:conformity/text()", namespaces=NAMESPACES) == ["fail"])
 
 
@@ -141,11 +155,13 @@ def certificates(folder, schema):
 with tempfile.TemporaryDirectory() as temporary:
     folder = pathlib.Path(temporary)
     points, run, model = DATA / "points-gravity", folder / "run.mcap", folder / "model.toml"
-    trunnion("import", points / "points.csv", "--setup", points / "setup.toml", "-o", run)
+    setup = folder / "setup.toml"
+    setup.write_text((points / "setup.toml").read_text() + CALIBRATION)
+    trunnion("import", points / "points.csv", "--setup", setup, "-o", run)
     trunnion("add", "gravity-sag:B", run, "--model", model)
     common = ["report", run, "--model", model, "--tolerance-um", "12", "--operator", "Ada", "--serial", "SN 7"]
     trunnion(*common, "-o", folder / "en.html", "--pdf", folder / "en.pdf", "--dcc", folder / "en.xml", "--measured", "2026-02-28", "--country", "DE")
-    printed(folder / "en.pdf", ["The model now explains this machine", "SN 7", "Ada", "fail", "pass", "What to do", "How sure", "0.94 µm", "0.34 µm"])
+    printed(folder / "en.pdf", ["The model now explains this machine", "SN 7", "Ada", "fail", "pass", "What to do", "How sure", "0.94 µm", "0.34 µm", "probe-1: 1702, K-2026-081, 2026-01-12"])
     filled(pymupdf.open(folder / "en.pdf"))
     trunnion("report", run, "-o", folder / "before.html", "--pdf", folder / "before.pdf")
     filled(pymupdf.open(folder / "before.pdf"))
