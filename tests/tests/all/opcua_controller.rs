@@ -11,8 +11,8 @@ use trunnion_acquire::{DeviceState, parse_devices, start};
 use trunnion_core::axis::iso::{B, C, X, Y, Z};
 use trunnion_core::reading::{AxisReading, Execution, Reading};
 use trunnion_core::{AxisValues, Joint};
-use trunnion_hil_sim::devices::opcua::ControllerConfig;
-use trunnion_hil_sim::devices::{CycleState, DeviceClock, Handle, TimeOrigin, World, opcua};
+use trunnion_hil_sim::devices::opcua::{ControllerConfig, WithoutLink};
+use trunnion_hil_sim::devices::{CycleState, DeviceClock, Fault, Handle, TimeOrigin, World, opcua};
 use trunnion_service::clock::SystemClock;
 use trunnion_tests::log::Log;
 use trunnion_tests::secret_forms::forms;
@@ -115,6 +115,66 @@ async fn positions_are_those_of_the_moment_of_the_stamp() {
         "the axes are sampled 1 ms apart: {skew_ns:?} ns"
     );
     assert_eq!((programs[0].program.as_str(), programs[0].block.as_str()), ("O1", "N7"));
+}
+
+/// The readings go on as soon as the server has values again.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_value_that_was_not_measured_is_a_gap_with_its_reason_and_no_position() {
+    for without_link in WithoutLink::ALL {
+        let says = match without_link {
+            WithoutLink::BadNull => "the server has no value for axis X (BadNoCommunication)",
+            WithoutLink::BadNumber => "the server has no value for axis X (BadSensorFailure)",
+            WithoutLink::Substitute => {
+                "the server is not certain of the value of axis X (UncertainSubstituteValue)"
+            }
+            WithoutLink::Null => "the server sends Null for axis X",
+            WithoutLink::NotANumber => "the server sends no number for axis X",
+        };
+        let config =
+            ControllerConfig { without_link, ..ControllerConfig::new(WALL_NS, DeviceClock::default()) };
+        let (controller, url) = controller_in(config).await;
+        let table = format!(
+            "[[device]]\nname = \"cnc\"\ndriver = \"opcua\"\nurl = \"{url}\"\nlayout = \"sinumerik\"\naxes = \"XYZBC\"\n\
+             silence_ms = 10000\n"
+        );
+        let devices = parse_devices("test.toml", &table).expect("the configuration is good");
+        let mut acquisition =
+            start(devices, Arc::new(SystemClock::start()), CancellationToken::new(), QUEUE_LENGTH);
+        let (mut axes, mut gap, mut after) = (Vec::<AxisReading>::new(), None, 0);
+        let deadline = tokio::time::Instant::now() + LIMIT;
+        while after < 50 {
+            let next = tokio::time::timeout_at(deadline, acquisition.messages.recv());
+            let message =
+                next.await.unwrap_or_else(|_| panic!("{without_link:?}: no readings after {gap:?}"));
+            match message.expect("the acquisition runs").reading {
+                Reading::Axes(reading) => {
+                    axes.push(reading);
+                    after += usize::from(gap.is_some());
+                    if axes.len() == 50 {
+                        controller.inject(Fault::Silence { duration_s: 0.5 }).expect("it can have it");
+                    }
+                }
+                Reading::Gap(found) => gap = Some(found),
+                _ => {}
+            }
+        }
+        let ends = acquisition.states[0].borrow().ends.iter().sum::<u64>();
+        acquisition.stop().await;
+        controller.shutdown().await;
+        let gap = gap.expect("it was waited for");
+        let is_of = |axis: &Joint| gap.reason == says.replace("axis X", &format!("axis {axis}"));
+        assert!(AXES.iter().any(is_of), "{without_link:?}: {}", gap.reason);
+        let length_s = (gap.to.0 - gap.from.0) as f64 * 1e-9;
+        assert!((0.3..5.0).contains(&length_s), "{without_link:?}: {length_s} s");
+        assert_eq!(ends, 0, "{without_link:?}: the session went on");
+        // One that is carried on by our clock is off by what the axes move meanwhile.
+        for reading in axes.iter().filter(|reading| !reading.held) {
+            let there = Steady.axes((reading.stamp_ns - WALL_NS) as f64 * 1e-9);
+            let farthest = AXES.into_iter().map(|axis| (reading.position[axis] - there[axis]).abs());
+            let farthest = farthest.fold(0.0, f64::max);
+            assert!(farthest < 1e-5, "{without_link:?}: off by {farthest}: {reading:?}");
+        }
+    }
 }
 
 /// On one thread, so that everything is logged to this test.

@@ -8,8 +8,10 @@
 
 mod messages;
 mod nodes;
+mod without_link;
 
 pub use messages::Disturbed;
+pub use without_link::WithoutLink;
 
 use super::clock::{DeviceClock, TimeOrigin};
 use super::cycles::Cycles;
@@ -61,6 +63,8 @@ pub struct ControllerConfig {
     pub clock: DeviceClock,
     /// User and password that the server asks for; everybody is let in without.
     pub login: Option<(String, String)>,
+    /// What the server sends of an axis while its link to the controller is lost.
+    pub without_link: WithoutLink,
 }
 
 impl ControllerConfig {
@@ -76,6 +80,7 @@ impl ControllerConfig {
             wall_ns_at_origin,
             clock,
             login: None,
+            without_link: WithoutLink::default(),
         }
     }
 
@@ -267,6 +272,6 @@ impl Floor {
             (link_is_up.then_some(shown), stamp_ns + (later_s * 1e9).round() as i64)
         });
         let state = link_is_up.then(|| self.world.cycle(begin_s));
-        Sampled { axes: axes.collect(), state, stamp_ns }
+        Sampled { axes: axes.collect(), without_link: self.config.without_link, state, stamp_ns }
     }
 }

@@ -1,6 +1,7 @@
 //! The nodes of the controller: positions `ns=2;s=/Channel/MachineAxis/measPos1[u1,n]`, and the program's name, state and
 //! block. Of the server's own namespace there is what browsing to them needs.
 
+use super::without_link::WithoutLink;
 use crate::devices::world::CycleState;
 use opcua_server::ServerHandle;
 use opcua_server::address_space::{
@@ -10,7 +11,7 @@ use opcua_server::address_space::{
 use opcua_server::node_manager::NodeManagerBuilder;
 use opcua_server::node_manager::memory::{SimpleNodeManager, simple_node_manager_imports};
 use opcua_types::{
-    DataTypeId, DataValue, DateTime, NodeId, ObjectId, QualifiedName, ReferenceTypeId, StatusCode, Variant,
+    DataTypeId, DataValue, DateTime, NodeId, ObjectId, QualifiedName, ReferenceTypeId, Variant,
 };
 use std::sync::Arc;
 use trunnion_core::Joint;
@@ -30,6 +31,8 @@ const ABORTED: u16 = 5;
 pub(super) struct Sampled {
     /// Position in mm or degrees, `None` without link to the controller, and its stamp, ns since 1970.
     pub axes: Vec<(Option<f64>, i64)>,
+    /// What is sent in place of a position.
+    pub without_link: WithoutLink,
     pub state: Option<CycleState>,
     pub stamp_ns: i64,
 }
@@ -82,7 +85,10 @@ impl Nodes {
     pub fn set(&self, server: &ServerHandle, sampled: &Sampled) -> Result<(), String> {
         let state = sampled.state.as_ref();
         let number = |state: &CycleState| if state.running { IN_PROGRESS } else { ABORTED };
-        let axes = sampled.axes.iter().map(|(position, stamp_ns)| stamped(*position, *stamp_ns));
+        let axes = sampled.axes.iter().map(|(position, stamp_ns)| match position {
+            Some(position) => DataValue::new_at(*position, date(*stamp_ns)),
+            None => sampled.without_link.value(date(*stamp_ns)),
+        });
         let values = self.axes.iter().zip(axes).chain([
             (&self.program, stamped(state.map(|state| state.program.clone()), sampled.stamp_ns)),
             (&self.state, stamped(state.map(number), sampled.stamp_ns)),
@@ -96,12 +102,14 @@ impl Nodes {
 
 /// A value, or why there is none.
 fn stamped<T: Into<Variant>>(value: Option<T>, stamp_ns: i64) -> DataValue {
-    let stamp = DateTime::from(stamp_ns / 100 + TICKS_TO_1970);
     match value {
-        Some(value) => DataValue::new_at(value, stamp),
-        // The library sees changes of values, not of their status: an empty one, not the last.
-        None => DataValue::new_at_status(Variant::Empty, stamp, StatusCode::BadNoCommunication),
+        Some(value) => DataValue::new_at(value, date(stamp_ns)),
+        None => WithoutLink::BadNull.value(date(stamp_ns)),
     }
+}
+
+fn date(stamp_ns: i64) -> DateTime {
+    DateTime::from(stamp_ns / 100 + TICKS_TO_1970)
 }
 
 fn named(name: &str) -> QualifiedName {

@@ -13,7 +13,9 @@ use super::subscription::{Notification, Tap, Use, items, subscribe};
 use crate::controller_stamp::of_measurement;
 use crate::link::Link;
 use crate::session_end::SessionEnd;
-use opcua::types::{AttributeId, DataValue, DateTime, NodeId, ReadValueId, StatusCode, TimestampsToReturn};
+use opcua::types::{
+    AttributeId, DataValue, DateTime, NodeId, ReadValueId, StatusCode, TimestampsToReturn, Variant,
+};
 use std::collections::HashSet;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -22,7 +24,7 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::time::MissedTickBehavior;
 use trunnion_core::reading::{AxisReading, ControllerReading, Execution, Reading};
-use trunnion_core::{AxisValues, HostTime};
+use trunnion_core::{AxisValues, HostTime, Joint};
 
 /// Notifications between the library's task and this one.
 const QUEUE: usize = 1024;
@@ -218,18 +220,16 @@ impl Model {
         arrival: HostTime,
         link: &mut Link,
     ) {
-        let position = value.value.as_ref().and_then(number).filter(|_| !value.status().is_bad());
+        let position = vouched(value).and_then(number);
         let (Some(position), Some(stamp_ns)) = (position, stamp_ns) else {
             link.counters.error_readings += 1;
             self.bad.insert(axis);
             let letter = self.nodes.axes[axis].letter;
-            let what = if position.is_some() {
-                "source time stamp".into()
-            } else {
-                format!("value ({})", value.status())
+            let why = match position {
+                Some(_) => format!("the server has no source time stamp for axis {letter}"),
+                None => no_position(letter, value),
             };
-            self.bad_since
-                .get_or_insert_with(|| (arrival, format!("the server has no {what} for axis {letter}")));
+            self.bad_since.get_or_insert((arrival, why));
             self.instants.forget();
             return;
         };
@@ -239,7 +239,7 @@ impl Model {
     }
 
     fn state(&mut self, what: Use, value: &DataValue) {
-        let variant = value.value.as_ref().filter(|_| !value.status().is_bad());
+        let variant = vouched(value);
         let words = variant.map(text).unwrap_or_default();
         let (now, program, block, signal) = &mut self.controller;
         match what {
@@ -297,6 +297,25 @@ impl Model {
             None => format!("{} sends no positions of all axes", device.url),
         };
         Err(SessionEnd::Silent { who, waited })
+    }
+}
+
+/// A value that the server stands for. One of uncertain quality may be old or a substitute [OPC UA part 8, table of status codes], and both
+/// look like a measured one.
+fn vouched(value: &DataValue) -> Option<&Variant> {
+    value.value.as_ref().filter(|_| value.status().is_good())
+}
+
+/// Why a position is none.
+fn no_position(letter: Joint, value: &DataValue) -> String {
+    let status = value.status();
+    match &value.value {
+        _ if status.is_uncertain() => {
+            format!("the server is not certain of the value of axis {letter} ({status})")
+        }
+        _ if !status.is_good() => format!("the server has no value for axis {letter} ({status})"),
+        None | Some(Variant::Empty) => format!("the server sends Null for axis {letter}"),
+        Some(_) => format!("the server sends no number for axis {letter}"),
     }
 }
 

@@ -5,10 +5,8 @@ use crate::link::Outlet;
 use crate::probe;
 use crate::status::DeviceStatus;
 use crate::test_clock::AtZero;
-use opcua::types::Variant;
 use proptest::prelude::*;
 use tokio::sync::watch;
-use trunnion_core::Joint;
 
 fn model(link: &Link) -> Model {
     let axis = |letter: Joint| AxisNode { letter, node: NodeId::null(), unit: 1.0 };
