@@ -174,6 +174,16 @@ impl Bench {
         })
     }
 
+    /// The state on disk of what was being analysed, as a kill a moment earlier leaves it.
+    pub fn set_back(&self, state: RunState) {
+        for file in files(&self.runs(), ".state.json") {
+            let kept = record(&file).filter(|kept| kept.state == RunState::Analysing);
+            let Some(kept) = kept else { continue };
+            let earlier = RunRecord { state, tries: 0, ..kept };
+            std::fs::write(&file, serde_json::to_string(&earlier).unwrap()).unwrap();
+        }
+    }
+
     /// Makes a device of the floor fail.
     pub fn controller(&self, fault: devices::Fault) {
         self.cell.controller.as_ref().unwrap().inject(fault).unwrap();

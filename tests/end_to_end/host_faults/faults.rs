@@ -2,8 +2,10 @@
 
 use super::Fault;
 use super::bench::Bench;
+use crate::program;
 use crate::shop::until;
 use std::io::Write;
+use trunnion::results::RunRecord;
 use trunnion::results::RunState::{self, Done, Failed, NotJudged};
 use trunnion_hil_sim::devices;
 
@@ -35,6 +37,43 @@ pub const FAULTS: &[Fault] = &[
             bench.state(|record| record.state == RunState::Analysing);
             bench.kill();
             bench.start();
+        },
+    },
+    Fault {
+        name: "killed before it analyses",
+        how: "SIGKILL while it analyses, the state on disk set back to `recovered`, started again; the same with `recorded`",
+        says: &["analysed now: it has no report"],
+        gap: None,
+        ends: &[Done, NotJudged],
+        recovery: "by itself at the next start",
+        run: |bench| {
+            bench.start();
+            for state in [RunState::Recovered, RunState::Recorded] {
+                bench.state(|record| record.state == RunState::Analysing);
+                bench.kill();
+                bench.set_back(state);
+                bench.start();
+            }
+        },
+    },
+    Fault {
+        name: "killed while it joins",
+        how: "SIGKILL in mid-cycle, started again while the program runs; SIGKILL while the whole cycle is analysed, started again",
+        says: &["parts of one cycle were joined", "analysed now: it has no report"],
+        gap: None,
+        ends: &[Done, NotJudged],
+        recovery: "by itself at the next start: the whole is judged, its parts stay `joined`",
+        run: |bench| {
+            let is_whole = |record: &RunRecord| record.joined_from.len() == 2;
+            bench.start();
+            bench.recording();
+            bench.kill();
+            bench.start();
+            bench.state(|record| is_whole(record) && record.state == RunState::Analysing);
+            bench.kill();
+            bench.start();
+            bench.state(|record| is_whole(record) && record.state.has_report());
+            bench.state(|record| record.state == RunState::Joined);
         },
     },
     Fault {
@@ -205,6 +244,22 @@ pub const FAULTS: &[Fault] = &[
             bench.start();
             let id = until("an analysis", || bench.service.as_ref()?.analyses().first().copied());
             std::process::Command::new("kill").args(["-STOP", &id.to_string()]).status().unwrap();
+        },
+    },
+    Fault {
+        name: "analysis without memory",
+        how: "`memory_mb = 64` of `[analysis]`, a recording of 336 poses",
+        says: &["it needed more than 64 MB (memory_mb of [analysis])"],
+        gap: None,
+        ends: &[Failed],
+        recovery: "the recording is kept; it is tried again at the next start, `tries` times in all, so after `memory_mb` was raised",
+        run: |bench| {
+            bench.configure("[analysis]\nmemory_mb = 64\n");
+            let recording = program::import("points-gravity", &bench.runs());
+            bench.start();
+            let failed = bench.state(|record| record.state == Failed);
+            assert_eq!(failed.why, "it needed more than 64 MB (memory_mb of [analysis])");
+            assert!(std::path::Path::new(&recording).exists(), "it is kept");
         },
     },
 ];
