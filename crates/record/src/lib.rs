@@ -41,7 +41,10 @@ pub use handle::{RecordSender, RecorderHandle, RecorderStatus};
 pub use item::{Item, RunHeader, Temperature};
 pub use journal_file::{JOURNAL_ENDING, is_journal, sync_folder};
 pub use near::with_nearest;
-pub use reader::{OnPoint, Recording, RunStart, read_header, read_run, visit, visit_points, visit_samples};
+pub use reader::{
+    OnPoint, Recording, RunStart, read_header, read_run, read_run_of_bytes, visit, visit_points,
+    visit_samples,
+};
 pub use schema::FILE_DESCRIPTOR_SET;
 pub use scrub::{Scrubbed, scrub};
 pub use whole_run::{RunWriter, write_run, write_run_with_axes};

@@ -9,7 +9,7 @@ use crate::near::with_nearest;
 use crate::wire::{Decoded, POINT_SCHEMA, SAMPLE_SCHEMAS, decode};
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read};
 use std::path::Path;
 use trunnion_core::{AxisSample, Event, Gap, Point, ProbeSample};
 use trunnion_cycles::Run;
@@ -45,10 +45,30 @@ pub fn read_run(
     path: &Path,
     machine_by_name: &dyn Fn(&str) -> Option<Machine>,
 ) -> Result<Recording, RecordError> {
+    read_run_from(path, open(path)?, machine_by_name)
+}
+
+/// As [`read_run`], from the bytes of a file that would stand at `path`.
+///
+/// # Errors
+/// As [`read_run`].
+pub fn read_run_of_bytes(
+    path: &Path,
+    bytes: &[u8],
+    machine_by_name: &dyn Fn(&str) -> Option<Machine>,
+) -> Result<Recording, RecordError> {
+    read_run_from(path, (bytes, bytes.len() as u64), machine_by_name)
+}
+
+fn read_run_from(
+    path: &Path,
+    source: Source<impl Read>,
+    machine_by_name: &dyn Fn(&str) -> Option<Machine>,
+) -> Result<Recording, RecordError> {
     let (mut probe_samples, mut axis_samples, mut temperatures) = (Vec::new(), Vec::new(), Vec::new());
     let (mut events, mut gaps) = (Vec::new(), Vec::new());
     let mut points: Vec<(u64, Point)> = Vec::new();
-    let (header, damage) = visit_indexed(path, &|_| true, &mut |index, item| {
+    let (header, damage) = visit_source(path, source, &|_| true, &mut |index, item| {
         match item {
             Item::Probe(sample) => probe_samples.push(sample),
             Item::Axes(sample) => axis_samples.push(sample),
@@ -124,8 +144,11 @@ pub fn visit_points(
 ) -> Result<(RunStart, Option<Damage>), RecordError> {
     let mut start: Option<RunStart> = None;
     let mut refused = None;
-    let (header, damage) =
-        walk_items(path, &|schema| schema == POINT_SCHEMA, &mut |texts, header, _, _, decoded| {
+    let (header, damage) = walk_items(
+        path,
+        open(path)?,
+        &|schema| schema == POINT_SCHEMA,
+        &mut |texts, header, _, _, decoded| {
             if start.is_none() {
                 let header = header_with(header.clone(), texts);
                 match machine_of(path, &header, machine_by_name) {
@@ -140,7 +163,8 @@ pub fn visit_points(
                 on_point(start, index, point);
             }
             true
-        })?;
+        },
+    )?;
     match (refused, start) {
         (Some(error), _) => Err(error),
         (None, Some(start)) => Ok((start, damage)),
@@ -201,8 +225,27 @@ fn visit_indexed(
     wanted: &dyn Fn(&str) -> bool,
     on_item: &mut dyn FnMut(u64, Item) -> bool,
 ) -> Result<(RunHeader, Option<Damage>), RecordError> {
+    visit_source(path, open(path)?, wanted, on_item)
+}
+
+/// A recording, and how many bytes it has.
+type Source<R> = (R, u64);
+
+fn open(path: &Path) -> Result<Source<BufReader<File>>, RecordError> {
+    let file =
+        File::open(path).map_err(|source| RecordError::io("open", path)(with_nearest(path, source)))?;
+    let bytes = file.metadata().map_err(RecordError::io("look at", path))?.len();
+    Ok((BufReader::with_capacity(1 << 16, file), bytes))
+}
+
+fn visit_source(
+    path: &Path,
+    source: Source<impl Read>,
+    wanted: &dyn Fn(&str) -> bool,
+    on_item: &mut dyn FnMut(u64, Item) -> bool,
+) -> Result<(RunHeader, Option<Damage>), RecordError> {
     let mut waiting: Vec<(u64, Decoded)> = Vec::new();
-    let (header, damage) = walk_items(path, wanted, &mut |_, _, sorted, log_time, decoded| {
+    let (header, damage) = walk_items(path, source, wanted, &mut |_, _, sorted, log_time, decoded| {
         if sorted {
             return decoded.hand_over(on_item);
         }
@@ -238,16 +281,14 @@ type OnDecoded<'v> = &'v mut dyn FnMut(&Texts, &RunHeader, bool, u64, Decoded) -
 /// Hands the messages of the schemas that `wanted` names to `on_item` in the order of the file.
 fn walk_items(
     path: &Path,
+    (file, bytes): Source<impl Read>,
     wanted: &dyn Fn(&str) -> bool,
     on_decoded: OnDecoded<'_>,
 ) -> Result<(RunHeader, Option<Damage>), RecordError> {
-    let file =
-        File::open(path).map_err(|source| RecordError::io("open", path)(with_nearest(path, source)))?;
-    let bytes = file.metadata().map_err(RecordError::io("look at", path))?.len();
     let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
     let mut texts = Texts::new();
     let (mut header, mut sorted) = (None, false);
-    let damage = walk(BufReader::with_capacity(1 << 16, file), bytes, &mut |record| {
+    let damage = walk(file, bytes, &mut |record| {
         match record {
             Record::Schema { id, name, .. } => {
                 schemas.insert(*id, (*name).to_string());

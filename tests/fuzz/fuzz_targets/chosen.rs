@@ -2,15 +2,17 @@
 
 use std::path::Path;
 
-/// The name in TRUNNION_FUZZ; every name of the table, one a line, where it says `list`.
-pub fn name(names: &[&str]) -> String {
+/// The entry named in TRUNNION_FUZZ; where that says `list`, every name of the table is printed, one a line.
+pub fn of<E>(table: &'static [E], name: fn(&E) -> &'static str) -> &'static E {
     let chosen = std::env::var("TRUNNION_FUZZ").unwrap_or_default();
     if chosen == "list" {
-        names.iter().for_each(|name| println!("{name}"));
+        table.iter().for_each(|entry| println!("{}", name(entry)));
         std::process::exit(0);
     }
-    assert!(names.contains(&chosen.as_str()), "TRUNNION_FUZZ = \"{chosen}\"; allowed: list, {names:?}");
-    chosen
+    table.iter().find(|entry| name(entry) == chosen).unwrap_or_else(|| {
+        let names: Vec<&str> = table.iter().map(name).collect();
+        panic!("TRUNNION_FUZZ = \"{chosen}\"; allowed: list, {names:?}")
+    })
 }
 
 /// Writes seeds into the folder TRUNNION_FUZZ_CORPUS, before the fuzzer reads it.

@@ -13,6 +13,7 @@ mod cycle_boundaries;
 mod edges;
 mod empty_sweeps;
 mod fault_matrix;
+mod fuzzed;
 mod glossary;
 mod house;
 #[path = "../../../crates/cycles/tests/all/nc/interpreter.rs"]

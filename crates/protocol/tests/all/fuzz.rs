@@ -38,11 +38,15 @@ fn run(property: impl Fn(&Entry) -> Result<(), TestCaseError>) {
     }
 }
 
-fn cases(entry: &Entry, check: impl Fn(Vec<u8>, Vec<prop::sample::Index>) -> Result<(), TestCaseError>) {
+fn cases(
+    entry: &Entry,
+    at_least: u32,
+    check: impl Fn(Vec<u8>, Vec<prop::sample::Index>) -> Result<(), TestCaseError>,
+) {
     let cuts = prop::collection::vec(any::<prop::sample::Index>(), 0..8);
     let mut runner = proptest::test_runner::TestRunner::new(ProptestConfig {
         // `PROPTEST_CASES` may ask for more.
-        cases: ProptestConfig::default().cases.max(512),
+        cases: ProptestConfig::default().cases.max(at_least),
         failure_persistence: None,
         ..ProptestConfig::default()
     });
@@ -53,17 +57,12 @@ fn cases(entry: &Entry, check: impl Fn(Vec<u8>, Vec<prop::sample::Index>) -> Res
 #[test]
 fn any_split_of_any_bytes_decodes_the_same() {
     for entry in CODECS {
-        cases(entry, |bytes, cuts| {
-            let mut whole = (entry.new)();
-            let mut split = (entry.new)();
-            let expected = whole.push(&bytes);
+        cases(entry, 10_000, |bytes, cuts| {
             let mut at: Vec<usize> = cuts.iter().map(|cut| cut.index(bytes.len() + 1)).collect();
             at.extend([0, bytes.len()]);
             at.sort_unstable();
-            let got: Vec<String> =
-                at.windows(2).flat_map(|pair| split.push(&bytes[pair[0]..pair[1]])).collect();
-            prop_assert_eq!(got, expected);
-            prop_assert_eq!(split.losses(), whole.losses());
+            let pieces: Vec<&[u8]> = at.windows(2).map(|pair| &bytes[pair[0]..pair[1]]).collect();
+            entry.codec.check_split(&bytes, &pieces);
             Ok(())
         });
     }
@@ -80,13 +79,13 @@ fn promises_a_long_body(garbage: &[u8]) -> bool {
 fn good_frames_behind_any_garbage_are_found() {
     const FRAMES: usize = 8;
     for entry in CODECS {
-        let alone = (entry.new)().push(&(entry.frame)());
+        let (mut events, _) = entry.codec.decode(&[&(entry.frame)()]);
+        let alone = events.remove(0);
         assert_eq!(alone.len(), 1, "{}: {alone:?}", entry.name);
-        cases(entry, |garbage, _| {
+        cases(entry, 512, |garbage, _| {
             prop_assume!(!promises_a_long_body(&garbage));
-            let mut codec = (entry.new)();
-            codec.push(&garbage);
-            let events = codec.push(&(entry.frame)().repeat(FRAMES));
+            let (decoded, _) = entry.codec.decode(&[&garbage, &(entry.frame)().repeat(FRAMES)]);
+            let events = &decoded[1];
             let found = events.iter().rev().take_while(|event| **event == alone[0]).count();
             prop_assert!(found >= FRAMES - entry.takes_along, "{} of {FRAMES}: {:?}", found, events);
             Ok(())
@@ -97,11 +96,8 @@ fn good_frames_behind_any_garbage_are_found() {
 #[test]
 fn garbage_is_counted() {
     run(|entry| {
-        let mut codec = (entry.new)();
-        codec.push(&[0xFF; 9]);
-        codec.push(b"\r\n");
-        codec.push(&(entry.frame)());
-        prop_assert!(codec.losses() > 0);
+        let (_, losses) = entry.codec.decode(&[&[0xFF; 9], b"\r\n", &(entry.frame)()]);
+        prop_assert!(losses > 0);
         Ok(())
     });
 }
