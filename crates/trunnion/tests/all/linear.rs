@@ -75,7 +75,7 @@ fn an_expression_is_switched_as_an_effect_of_the_catalogue() {
     let [alone, with] = &base.diagnose().unwrap().linear_with(&typed).unwrap().solutions[..] else {
         panic!("the model, and the model with it")
     };
-    assert!((alone.rms_um - off.rms_um).abs() < 1e-9 && (with.rms_um - fit.results().rms_um).abs() < 1e-9);
+    assert!((alone.rms_um - off.rms_um).abs() < 1e-6 && (with.rms_um - fit.results().rms_um).abs() < 1e-6);
     assert!(!with.without && with.title == "k*(1 - cos(2*B))", "{}", with.title);
     // What a diagnosis proposes is offered next to named effects.
     let diagnosed = base.diagnose().unwrap();
