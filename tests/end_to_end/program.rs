@@ -9,7 +9,9 @@ use std::sync::LazyLock;
 /// as for its user. It is half of their time.
 static KEPT: LazyLock<&Path> = LazyLock::new(|| {
     let folder = Path::new(concat!(env!("CARGO_TARGET_TMPDIR"), "/end-to-end-kept"));
-    let _ = std::fs::remove_dir_all(folder);
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).expect("the folder of the build loses folders");
+    }
     std::fs::create_dir_all(folder).expect("the folder of the build takes folders");
     folder
 });

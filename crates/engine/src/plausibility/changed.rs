@@ -51,7 +51,7 @@ pub(super) fn changed(runs: [&Run; 2]) -> Option<Remainders> {
     let days = (warmer_k(runs) / DAYS_K).max(1.0);
     let is_changed = made_um > OF_READINGS * BEYOND_DAYS_UM * days
         && together_mm > BELIEVED * apart_mm
-        && model.rms_with_an_axis_mm(&experiment) > AS_GOOD * apart_mm;
+        && model.rms_with_an_axis_mm(&experiment, |_| true) > AS_GOOD * apart_mm;
     is_changed.then(|| Remainders { together_um: um_from_mm(together_mm), apart_um: um_from_mm(apart_mm) })
 }
 

@@ -53,7 +53,8 @@ impl Fitted {
     /// With whichever effect of one axis leaves the least, each time that it is asked what is left. Of a fit to every row.
     pub fn with_an_effect(&self, experiment: &Experiment) -> Self {
         let Self { directions, basis, .. } = self;
-        let effects = effects_of_an_axis(experiment).map(|columns| orthonormal(&off(&columns, basis)));
+        let effects =
+            effects_of_an_axis(experiment, |_| true).map(|columns| orthonormal(&off(&columns, basis)));
         Self { directions: directions.clone(), basis: basis.clone(), effects: effects.collect() }
     }
 
@@ -128,10 +129,10 @@ impl Fitted {
         least_rms(&left_mm, beyond)
     }
 
-    /// The least of these with one more error of one axis, mm. Errors with shape numbers are not tried.
-    pub fn rms_with_an_axis_mm(&self, experiment: &Experiment) -> f64 {
+    /// The least of these with one more error of one axis, of those that `may_be`, mm. Errors with shape numbers are not tried.
+    pub fn rms_with_an_axis_mm(&self, experiment: &Experiment, may_be: impl Fn(&Instance) -> bool) -> f64 {
         let readings_mm = experiment.readings_mm();
-        effects_of_an_axis(experiment)
+        effects_of_an_axis(experiment, may_be)
             .map(|columns| self.rms_with_mm(&columns, &readings_mm))
             .fold(f64::INFINITY, f64::min)
     }
@@ -142,8 +143,11 @@ impl Fitted {
     }
 }
 
-/// Columns of every effect of one axis without shape numbers.
-fn effects_of_an_axis(experiment: &Experiment) -> impl Iterator<Item = DMatrix<f64>> {
+/// Columns of every effect of one axis without shape numbers that `may_be`.
+fn effects_of_an_axis(
+    experiment: &Experiment,
+    may_be: impl Fn(&Instance) -> bool,
+) -> impl Iterator<Item = DMatrix<f64>> {
     let scene = &experiment.scene;
     let is_of_axis = |instance: &Instance| {
         instance.subject() != Subject::Whole && !matches!(instance.role(), Role::Setting | Role::Description)
@@ -151,7 +155,8 @@ fn effects_of_an_axis(experiment: &Experiment) -> impl Iterator<Item = DMatrix<f
     let can_be = |instance: &Instance| {
         !instance.parameters(scene).is_empty() && instance.shapes(scene).names.is_empty()
     };
-    let all = Instance::all(experiment.machine()).into_iter().filter(is_of_axis).filter(can_be);
+    let all =
+        Instance::all(experiment.machine()).into_iter().filter(is_of_axis).filter(can_be).filter(may_be);
     all.map(|instance| experiment.columns(&instance, &[]))
 }
 

@@ -6,7 +6,7 @@
 
 use super::Trial;
 use trunnion_core::State;
-use trunnion_effects::Instance;
+use trunnion_effects::{Instance, Role};
 
 /// The effect.
 const SLIP: &str = "setup-slip";
@@ -16,7 +16,13 @@ const TRIED_AT_ONCE: usize = 100;
 impl Trial<'_> {
     /// The least that the base model leaves with one more effect of the catalogue, mm rms.
     pub(super) fn of_an_effect_mm(&self) -> f64 {
-        self.model.rms_with_an_axis_mm(self.experiment).min(self.of_a_slip_mm())
+        self.model.rms_with_an_axis_mm(self.experiment, |_| true).min(self.of_a_slip_mm())
+    }
+
+    /// The same with an effect of which every machine has a little, and none has much, left out.
+    pub(super) fn of_a_large_effect_mm(&self) -> f64 {
+        let is_large = |instance: &Instance| instance.role() != Role::Natural;
+        self.model.rms_with_an_axis_mm(self.experiment, is_large).min(self.of_a_slip_mm())
     }
 
     /// With one slip of the ball or nest on the table, at whatever point; infinite without times.

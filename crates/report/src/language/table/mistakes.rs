@@ -10,6 +10,7 @@ pub(super) const ENTRIES: &[[&str; 3]] = &[
     ["With {} they are {} mm apart.", "Annahme: {}. Dann liegen sie {} mm auseinander.", "仮定「{}」では {} mm の距離になる。"],
     ["With {} they are {} mm off.", "Annahme: {}. Dann beträgt die Abweichung {} mm.", "仮定「{}」ではずれは {} mm になる。"],
     ["Change it?", "Ändern?", "変更するか。"],
+    ["An error motion of a rotary axis leaves as little, but no machine has one so large: rule the mistake out first.", "Ein Bewegungsfehler einer Drehachse lässt ebenso wenig übrig, aber so groß hat ihn keine Maschine: Zuerst den genannten Fehler ausschließen.", "回転軸の誤差運動でも同じ程度しか残らないが、これほど大きい機械はない。まず上記の誤りを除外する。"],
     ["Positions cannot distinguish these: they are mirror images, and in the wrong one values have the wrong sign.", "Positionen können das nicht unterscheiden: Es sind Spiegelbilder, und im falschen haben Werte das falsche Vorzeichen.", "位置だけでは区別できない。互いに鏡像であり、誤った方では値の符号が逆になる。"],
     ["Look at the machine first: jog {} and +{}, compare each with the machine file, and change what differs.", "Zuerst an der Maschine nachsehen: {} und +{} tippen, jede mit der Maschinendatei vergleichen und ändern, was abweicht.", "まず機械で確認する。{} と +{} にジョグし、それぞれ機械ファイルと比べ、違うものを直す。"],
     ["Controls often count rotary axes the other way.", "Steuerungen zählen Drehachsen oft andersherum.", "制御装置では回転軸の向きが逆のことが多い。"],
