@@ -9,7 +9,7 @@ use trunnion_hil_sim::devices::{DeviceClock, Fault, opcua};
 const WALL_NS: i64 = 1_767_225_600_000_000_000;
 const SILENT: &str = "silent for * ms: opc.tcp://ADDRESS does not answer; check that the controller runs, and the network between";
 const GONE: &str = "disconnected: opc.tcp://ADDRESS: the server closed the connection";
-const LINK_LOST: &str = "silent for * ms: opc.tcp://ADDRESS: the server has no value (BadNoCommunication) for axis *; is the server's link \
+const LINK_LOST: &str = "silent for * ms: opc.tcp://ADDRESS: the server has no value for axis * (BadNoCommunication); is the server's link \
                          to the controller up?";
 
 pub const SUBJECT: Subject = Subject {
