@@ -71,7 +71,14 @@ pub async fn wait_for(port: u16, name: &str, enough: impl Fn(&BTreeMap<String, s
         }
     };
     let waited = tokio::time::timeout(Duration::from_secs(60), watching).await;
-    assert!(waited.is_ok(), "{name}: the topics never came to what was expected");
+    assert!(waited.is_ok(), "{name}: the topics never came to what was expected: {topics:?}");
+}
+
+/// A board with something to say: a broker counts as reached once it has taken a value.
+fn spoken() -> Board {
+    let board = Board::default();
+    board.set("status", &serde_json::json!({ "state": "online" }));
+    board
 }
 
 #[tokio::test]
@@ -245,7 +252,7 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
     let config =
         MqttConfig { broker: Broker { login, ..Broker::local(port) }, machine: "m3".into(), sparkplug: None };
     let cancel = CancellationToken::new();
-    let service = tokio::spawn(run(config, Board::default(), cancel.clone()));
+    let service = tokio::spawn(run(config, spoken(), cancel.clone()));
     log.until("the password file").await;
     std::fs::write(file("password"), "wrong\n").expect("written");
     log.until("it does not let this user in; check `user` and `password_file`").await;
@@ -332,7 +339,7 @@ async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificat
             sparkplug: None,
         };
         let cancel = CancellationToken::new();
-        let service = tokio::spawn(run(config, Board::default(), cancel.clone()));
+        let service = tokio::spawn(run(config, spoken(), cancel.clone()));
         log.until(expected).await;
         let is_in = log.text().contains("connected to the MQTT broker");
         assert_eq!(is_in, expected.starts_with("connected"), "{}", log.text());
