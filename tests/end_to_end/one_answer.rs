@@ -11,7 +11,7 @@ const SAME: f64 = 1e-6;
 /// A model file keeps figures in µm with four decimals.
 const KEPT_UM: f64 = 0.5001e-4;
 
-/// An answer that is worked out anew: commands that take what one of them kept agree by themselves.
+/// An answer of which nothing was kept: commands that take what one of them kept would agree by that.
 fn json(args: &[&str]) -> Value {
     let output = command().args(args).env("TRUNNION_CACHE_DIR", "").output().unwrap();
     assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));

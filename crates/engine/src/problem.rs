@@ -155,13 +155,7 @@ impl<'a> Problem<'a> {
     pub fn reading_noise(&self) -> Result<Option<ReadingNoise<'a>>, IdentifyError> {
         let fit = self.fit();
         let columns = |rows: &Rows<'_>, root: &DVector<f64>| self.columns_on(rows, root);
-        ReadingNoise::learn(
-            self.experiment,
-            &fit.fitted(),
-            fit.noise.as_ref(),
-            fit.degrees_of_freedom,
-            columns,
-        )
+        ReadingNoise::learn(self.experiment, &fit.fitted(), fit.degrees_of_freedom, columns)
     }
 
     /// The points.

@@ -107,9 +107,7 @@ impl Doubt {
         );
         Self { effect: None, names: Vec::new(), reason: DoubtReason::CalibrationOutOfDate, words }
     }
-}
 
-impl Doubt {
     /// About two runs that are fitted together.
     pub fn unlike_runs(unlike: &Unlike) -> Self {
         let Unlike { runs: [a, b], how, most } = unlike;

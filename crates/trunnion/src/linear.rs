@@ -50,8 +50,9 @@ impl Diagnosed {
     pub fn linear_with(&self, text: &FormulaText) -> Result<results::Linear, Error> {
         let with = self.fit().add_as(TYPED, text)?.fit().clone();
         let mut answer = of_changes(self.fit(), vec![(TYPED.into(), false, with)]);
-        if let (Some(typed), Some(expression)) = (answer.solutions.last_mut(), &text.expression) {
-            typed.title.clone_from(expression);
+        let of = |text: &Option<String>| text.clone().unwrap_or_default();
+        if let Some(typed) = answer.solutions.last_mut() {
+            typed.title = format!("{} {}: {}", of(&text.site), of(&text.component), of(&text.expression));
         }
         Ok(answer)
     }

@@ -146,6 +146,12 @@ impl Bench {
         self.service.take().unwrap().kill();
     }
 
+    /// The same, and started again.
+    pub fn restart(&mut self) {
+        self.kill();
+        self.start();
+    }
+
     /// The folder of the recordings, as the service sees it.
     pub fn runs(&self) -> PathBuf {
         let seen = self.folder.join("runs");

@@ -21,8 +21,7 @@ pub const FAULTS: &[Fault] = &[
         run: |bench| {
             bench.start();
             bench.recording();
-            bench.kill();
-            bench.start();
+            bench.restart();
         },
     },
     Fault {
@@ -35,8 +34,7 @@ pub const FAULTS: &[Fault] = &[
         run: |bench| {
             bench.start();
             bench.state(|record| record.state == RunState::Analysing);
-            bench.kill();
-            bench.start();
+            bench.restart();
         },
     },
     Fault {
@@ -67,11 +65,9 @@ pub const FAULTS: &[Fault] = &[
             let is_whole = |record: &RunRecord| record.joined_from.len() == 2;
             bench.start();
             bench.recording();
-            bench.kill();
-            bench.start();
+            bench.restart();
             bench.state(|record| is_whole(record) && record.state == RunState::Analysing);
-            bench.kill();
-            bench.start();
+            bench.restart();
             bench.state(|record| is_whole(record) && record.state.has_report());
             bench.state(|record| record.state == RunState::Joined);
         },
@@ -143,8 +139,7 @@ pub const FAULTS: &[Fault] = &[
             bench.make_writable();
             bench.says("can be written again");
             bench.publishes("\"state\":\"good\"");
-            bench.kill();
-            bench.start();
+            bench.restart();
         },
     },
     Fault {

@@ -240,7 +240,8 @@ impl Identification {
             residual_mm: &self.residual_mm,
             predicted_mm: &self.predicted_mm,
             used: &self.used,
-            other: self.noise.as_ref(),
+            own: self.noise.as_ref(),
+            other: None,
         }
     }
 

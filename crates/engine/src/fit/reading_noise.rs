@@ -86,11 +86,10 @@ pub enum Patterns {
 }
 
 impl<'e> ReadingNoise<'e> {
-    /// `None` outside the limits. `known`: what this fit has learned. `columns`: those of the model on the rows that are looked at, weighted.
+    /// `None` outside the limits. `columns`: those of the model on the rows that are looked at, weighted.
     pub(crate) fn learn<E>(
         experiment: &'e Experiment,
         fitted: &Fitted<'_>,
-        known: Option<&Learned>,
         degrees_of_freedom: usize,
         columns: impl FnOnce(&Rows<'e>, &DVector<f64>) -> Result<DMatrix<f64>, E>,
     ) -> Result<Option<Self>, E> {
@@ -101,7 +100,7 @@ impl<'e> ReadingNoise<'e> {
         if remainder.y.len() < 2 * remainder.basis.ncols() {
             return Ok(None);
         }
-        let Some((learned, mode)) = remainder.learned(known) else { return Ok(None) };
+        let Some((learned, mode)) = remainder.learned(fitted.own) else { return Ok(None) };
         let precision = mode.here.precision();
         let draws = draws(&mode, &precision, &remainder.kernels, &remainder.y);
         let white = learned.white.component_mul(&squares(&mode, &precision));
@@ -132,12 +131,13 @@ impl<'e> ReadingNoise<'e> {
             residual_mm: left_mm,
             predicted_mm: &(experiment.readings_mm() - left_mm),
             used,
+            own: None,
             other: None,
         };
         let left_out = experiment.unused_rows(used).count();
         let degrees_of_freedom = experiment.rows().saturating_sub(left_out + columns.ncols());
         let on_rows = |rows: &Rows<'e>, _: &_| Ok::<_, Infallible>(rows.of(columns.clone()));
-        let Ok(noise) = Self::learn(experiment, &fitted, None, degrees_of_freedom, on_rows);
+        let Ok(noise) = Self::learn(experiment, &fitted, degrees_of_freedom, on_rows);
         noise
     }
 

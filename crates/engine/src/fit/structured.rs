@@ -43,12 +43,13 @@ pub(crate) fn structured(
         residual_mm: &fit.residual_mm,
         predicted_mm: &fit.predicted_mm,
         used,
+        own: None,
         other,
     };
     let blocks = |visit: Visit<'_>| known.blocks(visit);
     let columns = Columns { width: known.width(), blocks: &blocks };
     let means = |rows: &Rows<'_>, _: &_| Ok::<_, Infallible>(means(known, &columns, rows));
-    let Ok(noise) = ReadingNoise::learn(design.experiment, &fitted, None, fit.degrees_of_freedom(), means);
+    let Ok(noise) = ReadingNoise::learn(design.experiment, &fitted, fit.degrees_of_freedom(), means);
     let noise = noise?;
     let covariance =
         noise.covariance(&columns, &known.cofactor, &prior_scores(known, fit), BeyondModel::NOTHING);

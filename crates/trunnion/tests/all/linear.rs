@@ -76,13 +76,13 @@ fn an_expression_is_switched_as_an_effect_of_the_catalogue() {
         panic!("the model, and the model with it")
     };
     assert!((alone.rms_um - off.rms_um).abs() < 1e-6 && (with.rms_um - fit.results().rms_um).abs() < 1e-6);
-    assert!(!with.without && with.title == "k*(1 - cos(2*B))", "{}", with.title);
+    assert!(!with.without && with.title == "axis:B dz: k*(1 - cos(2*B))", "{}", with.title);
     // What a diagnosis proposes is offered next to named effects.
-    let diagnosed = base.diagnose().unwrap();
-    if let Some(formula) = diagnosed.results().formula {
-        let id = trunnion::results::sentences::formula_id(&formula);
-        assert!(diagnosed.linear().unwrap().solutions.iter().any(|solution| solution.changed == id), "{id}");
-    }
+    let diagnosed = open("points-unnamed").fit(&Model::base("table-bc")).unwrap().diagnose().unwrap();
+    let proposed =
+        trunnion::results::sentences::formula_id(&diagnosed.results().formula.expect("an expression"));
+    let solutions = diagnosed.linear().unwrap().solutions;
+    assert!(solutions.iter().any(|solution| solution.changed == proposed), "{proposed}");
 }
 
 #[test]

@@ -99,11 +99,22 @@ fn a_model_file_predicts_like_the_fit_that_left_its_values() {
     assert_eq!(removal, "effect = \"backlash:C\"\ndate = \"2026-03-03\"\n");
     let middle = longer.fit().remove("gravity-sag:B", "2026-03-03", None).unwrap();
     assert_eq!(middle.model().predict(&run).unwrap().fitted_on, "2026-03-03", "fitted again");
-    // What a diagnosis said for the later effect was said with the one that is gone in the model.
+}
+
+/// What a diagnosis said for an effect was said with all others in the model: it stays when one of them goes, with the name of that one.
+#[test]
+fn what_was_found_stays_when_an_earlier_effect_is_taken_out() {
+    let run = trunnion::open(committed("points-backlash-and-drift")).unwrap();
+    let first = run.fit(&Model::base("table-bc")).unwrap().add("thermal-drift").unwrap();
+    let both = first.dated("2026-03-01").unwrap().fit().add("backlash:C").unwrap();
+    let both = both.dated("2026-03-02").unwrap();
+    let alone = both.fit().remove("thermal-drift", "2026-03-03", None).unwrap();
     let row_of = |model: &Model| model.ladder().rows.last().unwrap().ladder.clone().unwrap();
-    let (was, now) = (row_of(longer.model()), row_of(middle.model()));
-    assert_eq!((was.found_with, now.found_with.is_empty()), (Vec::new(), now.evidence.is_none()));
-    assert_eq!((now.evidence, &now.confused_with), (was.evidence, &was.confused_with));
+    let (was, now) = (row_of(both.model()), row_of(alone.model()));
+    assert!(was.evidence.is_some_and(|evidence| evidence > 1.0) && was.found_with.is_empty(), "{was:?}");
+    assert_eq!(now.found_with, ["thermal-drift"]);
+    assert_eq!((now.evidence, now.confused_with), (was.evidence, was.confused_with));
+    assert_eq!(now.separate_by, was.separate_by);
 }
 
 const MODEL: &str = "format = \"trunnion-model/1\"\nmachine = \"three-axis\"\n[[effect]]\nid = \"location-errors\"\n\

@@ -35,7 +35,9 @@ pub(crate) struct Fitted<'a> {
     pub residual_mm: &'a DVector<f64>,
     pub predicted_mm: &'a DVector<f64>,
     pub used: &'a [bool],
-    /// The noise of another fit of the same points.
+    /// The noise that this fit has learned.
+    pub own: Option<&'a Learned>,
+    /// That of another fit of the same points.
     pub other: Option<&'a Learned>,
 }
 
@@ -107,7 +109,7 @@ impl<'a> Remainder<'a> {
         }
         let nodes = 0..rows.points.points.len();
         let used = nodes.map(|node| rows.points_of(node).iter().all(|&point| fitted.used[point])).collect();
-        let other = fitted.other.filter(|other| other.root == root);
+        let other = fitted.own.or(fitted.other).filter(|other| other.root == root);
         let shared = other.map_or_else(SharedKernels::default, |other| other.kernels.clone());
         let of_rows = || Arc::new(Kernels::new(&rows.points, &root, rows.readings_of_one().sqrt()));
         let kernels = shared.get_or_init(of_rows).clone();

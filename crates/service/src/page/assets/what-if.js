@@ -184,9 +184,10 @@ function editor(page) {
     try {
       const [site, component, expression] = values();
       const { solutions } = await calls.linearWith(page.run, { site, component, expression });
-      const changed = `${site} ${component}: ${expression}`;
-      typed.solutions = typed.solutions.filter((one) => one.changed !== changed);
-      typed.solutions.push({ ...solutions[1], changed, title: changed });
+      // Each that was typed is a change of its own.
+      const fitted = { ...solutions[1], changed: solutions[1].title };
+      typed.solutions = typed.solutions.filter((one) => one.changed !== fitted.changed);
+      typed.solutions.push(fitted);
       await page.show();
     } catch (failure) {
       answer.textContent = failure.message;
