@@ -1,15 +1,59 @@
 //! The broker mosquitto of this computer.
 
+use std::ffi::OsStr;
+use std::io;
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
 
-/// Starts it for this computer alone, without a password.
+/// Longest wait for it to listen: a judgement, as of a computer that has much else to do.
+const BEGINS_WITHIN: Duration = Duration::from_secs(20);
+
+/// A broker that listens; killed when it is dropped, on whatever way out.
 ///
-/// # Errors
-/// When it is not installed.
-pub fn broker(port: u16) -> std::io::Result<Child> {
-    // Debian installs it where only root looks.
-    let usual = "/usr/sbin/mosquitto";
-    let program = if Path::new(usual).exists() { usual } else { "mosquitto" };
-    Command::new(program).args(["-p", &port.to_string()]).stderr(Stdio::null()).spawn()
+/// It has no part in what a test prints: one that outlives its test would keep the reader of that waiting.
+pub struct Mosquitto(Child);
+
+impl Mosquitto {
+    /// For this computer alone, without a password.
+    ///
+    /// # Errors
+    /// When it is not installed, or does not listen in time.
+    pub fn start(port: u16) -> io::Result<Self> {
+        Self::with_words(port, ["-p".as_ref(), port.to_string().as_ref()])
+    }
+
+    /// With a file of settings, which let it listen at `port`.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn with_settings(port: u16, settings: &Path) -> io::Result<Self> {
+        Self::with_words(port, ["-c".as_ref(), settings.as_ref()])
+    }
+
+    fn with_words(port: u16, words: [&OsStr; 2]) -> io::Result<Self> {
+        // Debian installs it where only root looks.
+        let usual = "/usr/sbin/mosquitto";
+        let program = if Path::new(usual).exists() { usual } else { "mosquitto" };
+        let mut command = Command::new(program);
+        command.args(words).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+        let started = Self(command.spawn()?);
+        let begun = Instant::now();
+        loop {
+            match TcpStream::connect(("127.0.0.1", port)) {
+                Ok(_) => return Ok(started),
+                Err(error) if begun.elapsed() > BEGINS_WITHIN => return Err(error),
+                Err(_) => std::thread::sleep(Duration::from_millis(20)),
+            }
+        }
+    }
+}
+
+impl Drop for Mosquitto {
+    fn drop(&mut self) {
+        if let Err(error) = self.0.kill().and_then(|()| self.0.wait()) {
+            eprintln!("mosquitto could not be stopped: {error}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use rumqttc::{AsyncClient, Event, MqttOptions, Packet, QoS};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::task::JoinHandle;
@@ -27,6 +27,7 @@ use trunnion_service::live::Plan;
 use trunnion_service::mqtt::{Broker, MqttConfig, MqttTls, run};
 use trunnion_tests::json_schema::{differences, schema_of_topic};
 use trunnion_tests::log::Log;
+use trunnion_tests::mosquitto::Mosquitto;
 use trunnion_tests::page_status::free_port;
 use trunnion_tests::{SILENCE_MS, three_probes};
 
@@ -42,8 +43,8 @@ pub fn as_schemas_say(topics: &BTreeMap<String, serde_json::Value>) {
     }
 }
 
-pub fn broker(port: u16) -> Child {
-    trunnion_tests::mosquitto::broker(port).expect("mosquitto starts")
+pub fn broker(port: u16) -> Mosquitto {
+    Mosquitto::start(port).expect("mosquitto starts")
 }
 
 /// Bytes of a message that is read; the library's own limit is 10 kB.
@@ -85,7 +86,7 @@ fn spoken() -> Board {
 #[ignore = "a peer test: tests/peers/run"]
 async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
     let port = free_port();
-    let mut first = broker(port);
+    let first = broker(port);
     let config = MqttConfig { broker: Broker::local(port), machine: "m1".into(), sparkplug: None };
     let (board, cancel) = (Board::default(), CancellationToken::new());
     let service = tokio::spawn(run(config, board.clone(), cancel.clone()));
@@ -94,10 +95,9 @@ async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
     wait_for(port, "before", |t| t.get("trunnion/m1/cycle").is_some_and(|v| v["done"] == 1)).await;
 
     // Killed mid-cycle; the new broker has no memory of the session or of anything retained.
-    first.kill().expect("running");
-    first.wait().expect("ended");
+    drop(first);
     board.set("cycle", &serde_json::json!({ "state": "measuring", "done": 2 }));
-    let mut second = broker(port);
+    let _second = broker(port);
     wait_for(port, "after", |t| {
         t.get("trunnion/m1/cycle").is_some_and(|v| v["done"] == 2)
             && t.get("trunnion/m1/status").is_some_and(|v| v["state"] == "online")
@@ -120,8 +120,6 @@ async fn the_latest_state_reaches_a_broker_that_was_killed_and_restarted() {
         })
     })
     .await;
-    second.kill().expect("running");
-    second.wait().expect("ended");
 }
 
 /// A service that publishes at `port`, with probes at a ball that stands `pressed` away from where they read zero.
@@ -157,7 +155,7 @@ pub async fn standing_service(
 #[ignore = "a peer test: tests/peers/run"]
 async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
     let port = free_port();
-    let mut broker = broker(port);
+    let _broker = broker(port);
     let folder = tempfile::tempdir().expect("a folder");
     // The first probe, on the nest's x side, is pressed to the end of its 2 mm.
     let pressed = orthogonal_nest()[0].map(|part| 0.97 * part);
@@ -191,15 +189,13 @@ async fn the_service_publishes_what_is_read_and_what_stands_against_a_cycle() {
     })
     .await;
     cell.shutdown().await;
-    broker.kill().expect("running");
-    broker.wait().expect("ended");
 }
 
 #[tokio::test]
 #[ignore = "a peer test: tests/peers/run"]
 async fn a_service_that_dies_leaves_its_last_will() {
     let port = free_port();
-    let mut broker = broker(port);
+    let _broker = broker(port);
     let config = MqttConfig { broker: Broker::local(port), machine: "m2".into(), sparkplug: None };
     let board = Board::default();
     let service = tokio::spawn(run(config, board.clone(), CancellationToken::new()));
@@ -214,8 +210,6 @@ async fn a_service_that_dies_leaves_its_last_will() {
         is_lost
     })
     .await;
-    broker.kill().expect("running");
-    broker.wait().expect("ended");
 }
 
 #[tokio::test]
@@ -239,12 +233,7 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
         file("users").display()
     );
     std::fs::write(file("mosquitto.conf"), settings).expect("written");
-    let mut broker = Command::new("/usr/sbin/mosquitto")
-        .arg("-c")
-        .arg(file("mosquitto.conf"))
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("mosquitto starts");
+    let _broker = Mosquitto::with_settings(port, &file("mosquitto.conf")).expect("mosquitto starts");
 
     let (log, _logging) = Log::begin(LevelFilter::INFO);
     let secret = Secret::File { name: "password".into(), folder: folder.path().into() };
@@ -264,8 +253,6 @@ async fn a_wrong_password_is_logged_once_and_the_right_one_is_read_from_its_file
     assert!(!log.text().contains("hunter2"), "{}", log.text());
     cancel.cancel();
     service.await.expect("the service ends");
-    broker.kill().expect("running");
-    broker.wait().expect("ended");
 }
 
 /// Runs openssl in a folder.
@@ -314,11 +301,8 @@ async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificat
         at("broker.key")
     );
     std::fs::write(at("mosquitto.conf"), settings).expect("written");
-    let mut broker = Command::new("/usr/sbin/mosquitto")
-        .args(["-c", &at("mosquitto.conf")])
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("mosquitto starts");
+    let settings = folder.path().join("mosquitto.conf");
+    let _broker = Mosquitto::with_settings(port, &settings).expect("mosquitto starts");
 
     let (log, _logging) = Log::begin(LevelFilter::INFO);
     let key = |name: &str| Secret::File { name: name.into(), folder: folder.path().into() };
@@ -346,6 +330,4 @@ async fn a_broker_that_encrypts_is_reached_with_its_authority_and_our_certificat
         cancel.cancel();
         service.await.expect("the service ends");
     }
-    broker.kill().expect("running");
-    broker.wait().expect("ended");
 }

@@ -119,8 +119,7 @@ impl Service {
 #[ignore = "a peer test: tests/peers/run"]
 fn a_sparkplug_host_follows_births_data_deaths_and_a_broker_that_dies() {
     let port = free_port();
-    let mut first = broker(port);
-    wait_for_port(port);
+    let first = broker(port);
     let (mut host, board) = (Host::start(port), Board::default());
     board.set("status", &status("measuring", "Streaming"));
     board.set("cycle", &json!({ "state": "measuring", "done": 3, "total": 50, "seconds_left": 90.5 }));
@@ -179,10 +178,9 @@ fn a_sparkplug_host_follows_births_data_deaths_and_a_broker_that_dies() {
     assert_eq!(host.next()["kind"], "DBIRTH");
 
     // A broker that knows nothing: a new session, with a number of its own. A host that comes later asks for it.
-    first.kill().unwrap();
-    first.wait().unwrap();
+    drop(first);
     board.set("live", &live(0.75));
-    let mut second = broker(port);
+    let _second = broker(port);
     let after = host.until("NBIRTH", |_| true);
     assert_eq!(metric(&after, "bdSeq"), 1);
     assert_eq!(metric(&host.until("DBIRTH", |_| true), "Probes/probe-1/Value"), 0.75);
@@ -195,14 +193,4 @@ fn a_sparkplug_host_follows_births_data_deaths_and_a_broker_that_dies() {
     assert_eq!(metric(&next, "bdSeq"), 0);
     service.stop();
     assert_eq!(metric(&host.until("NDEATH", |_| true), "bdSeq"), 0);
-    second.kill().unwrap();
-    second.wait().unwrap();
-}
-
-fn wait_for_port(port: u16) {
-    let begun = std::time::Instant::now();
-    while std::net::TcpStream::connect(("127.0.0.1", port)).is_err() {
-        assert!(begun.elapsed() < Duration::from_secs(30), "the broker listens");
-        std::thread::yield_now();
-    }
 }

@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 use trunnion_results::RunRecord;
-use trunnion_tests::mosquitto;
+use trunnion_tests::mosquitto::Mosquitto;
 use trunnion_tests::page_status::{free_address, free_port, status};
 use trunnion_tests::pauses::Pauses;
 
@@ -94,7 +94,7 @@ pub fn run(args: &SoakArgs) -> anyhow::Result<()> {
 async fn soak(args: &SoakArgs, folder: &Path) -> anyhow::Result<()> {
     let (runs, page, port) = (folder.join("runs"), free_address(), free_port());
     std::fs::create_dir_all(&runs).with_context(|| format!("cannot make {}", runs.display()))?;
-    let _broker = Stopped(mosquitto::broker(port).context("mosquitto does not start")?);
+    let _broker = Mosquitto::start(port).context("mosquitto does not start")?;
     let tables = format!(
         "\n[page]\nlisten = \"{page}\"\n\n[mqtt]\nhost = \"127.0.0.1\"\nport = {port}\n\n[storage]\nbudget_mb = {BUDGET_MB}\n"
     );
