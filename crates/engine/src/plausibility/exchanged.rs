@@ -6,6 +6,7 @@ pub(super) mod delayed;
 mod mirror;
 mod parts;
 mod physics;
+pub(super) mod plain;
 mod reordered;
 pub(super) mod repeated;
 mod scaled;
@@ -64,23 +65,50 @@ pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
     let Looked { run, experiment, model, .. } = looked;
     let before_um = um_from_mm(model.rms_mm(&experiment.readings_mm()));
     let repeated = repeatability(experiment, &passes(experiment));
-    let gross_um =
-        repeated.map_or(GROSS_UM, |of| GROSS_UM.min(GROSS_REPEATABILITIES * um_from_mm(of.sigma_mm)));
+    let gross_um = gross_um(repeated);
     if before_um < gross_um || variation_um(run) < GROSS_UM {
         return None;
     }
-    let alone = Trial { looked, run, experiment, model };
-    let tried = alone.all(before_um >= GROSS_UM);
-    let mostly = tried.iter().filter(|((_, left_mm), _)| MOSTLY * um_from_mm(*left_mm) < before_um);
-    let mostly: Vec<String> = mostly.map(|((words, _), _)| words.clone()).collect();
-    alone.believed(tried, before_um, gross_um, repeated, "").or_else(|| {
-        let is_one = |((words, _), _): &(Tried, &str)| mostly.contains(words);
-        // Of good runs there is none, which saves the time of trying all again.
-        let model = &(!mostly.is_empty()).then(|| model.with_an_effect(experiment))?;
-        let with_effect = Trial { looked, run, experiment, model };
-        let tried = with_effect.all(before_um >= GROSS_UM).into_iter().filter(is_one).collect();
-        with_effect.believed(tried, before_um, gross_um, repeated, ", and one more effect of an axis")
-    })
+    let asked = Asked { before_um, gross_um, repeated, divided: BELIEVED };
+    asked.of(looked, |trial| trial.all(before_um >= GROSS_UM))
+}
+
+fn gross_um(repeated: Option<Repeatability>) -> f64 {
+    repeated.map_or(GROSS_UM, |of| GROSS_UM.min(GROSS_REPEATABILITIES * um_from_mm(of.sigma_mm)))
+}
+
+/// What is asked of mistakes that were tried.
+struct Asked {
+    /// What the base model alone leaves of the readings as they are.
+    before_um: f64,
+    gross_um: f64,
+    repeated: Option<Repeatability>,
+    /// A mistake is believed where undoing it divides what the model leaves by this.
+    divided: f64,
+}
+
+impl Asked {
+    /// Next to the base model, then next to one more effect.
+    fn of(
+        &self,
+        looked: &Looked,
+        tried: impl Fn(&Trial<'_>) -> Vec<(Tried, &'static str)>,
+    ) -> Option<Implausible> {
+        let Looked { run, experiment, model, .. } = looked;
+        let alone = Trial { looked, run, experiment, model };
+        let of_alone = tried(&alone);
+        let mostly =
+            of_alone.iter().filter(|((_, left_mm), _)| MOSTLY * um_from_mm(*left_mm) < self.before_um);
+        let mostly: Vec<String> = mostly.map(|((words, _), _)| words.clone()).collect();
+        alone.believed(of_alone, self, "").or_else(|| {
+            let is_one = |((words, _), _): &(Tried, &str)| mostly.contains(words);
+            // Of good runs there is none, which saves the time of trying all again.
+            let model = &(!mostly.is_empty()).then(|| model.with_an_effect(experiment))?;
+            let with_effect = Trial { looked, run, experiment, model };
+            let of_both = tried(&with_effect).into_iter().filter(is_one).collect();
+            with_effect.believed(of_both, self, ", and one more effect of an axis")
+        })
+    }
 }
 
 /// Readings that are not gross, and do not fit their positions as well as they repeat: before and with the mistake undone, mm.
@@ -135,16 +163,14 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// The mistake of those `tried` that is believed. `before_um`: what the base model alone leaves of the readings as they are; `next_to`: what else the model of the
-    /// trial has, in words.
+    /// The mistake of those `tried` that is believed; `next_to`: what else the model of the trial has, in words.
     fn believed(
         &self,
         tried: Vec<(Tried, &'static str)>,
-        before_um: f64,
-        gross_um: f64,
-        repeated: Option<Repeatability>,
+        asked: &Asked,
         next_to: &str,
     ) -> Option<Implausible> {
+        let Asked { before_um, gross_um, repeated, divided } = *asked;
         let as_given_mm = self.model.rms_mm(&self.experiment.readings_mm());
         let least_mm = tried.iter().map(|((_, left_mm), _)| *left_mm).fold(f64::INFINITY, f64::min);
         let ((mistake, left_mm), to_do) =
@@ -153,7 +179,7 @@ impl Trial<'_> {
         let is_alone = self.of_an_effect_mm() > AS_GOOD * left_mm;
         let is_too_large =
             || before_um > LARGEST_NATURAL_UM && self.of_a_large_effect_mm() > AS_GOOD * left_mm;
-        let is_believed = BELIEVED * left_mm < as_given_mm && (is_alone || is_too_large());
+        let is_believed = divided * left_mm < as_given_mm && (is_alone || is_too_large());
         is_believed.then(|| {
             let mut hypothesis = match (self.mirror(AS_GOOD * least_mm), repeated) {
                 // What is left is gross itself: it would be doubted again.
@@ -184,19 +210,17 @@ impl Trial<'_> {
         })
     }
 
+    fn has_three(&self) -> bool {
+        self.run.setups.iter().all(|setup| setup.instrument.components().len() == 3)
+    }
+
     /// Every mistake with what to do, the simpler ones first; of all readings, then, where asked for, of those of one setup or part.
     fn all(&self, of_setups: bool) -> Vec<(Tried, &'static str)> {
         let setups = &self.run.setups;
-        let has_three = setups.iter().all(|setup| setup.instrument.components().len() == 3);
-        let is_static = self.run.kind == RunKind::Static;
+        let (has_three, is_static) = (self.has_three(), self.run.kind == RunKind::Static);
         let mut tried: Vec<(Tried, &str)> = Vec::new();
         let mut add = |to_do, all: Vec<Tried>| tried.extend(all.into_iter().map(|one| (one, to_do)));
-        if has_three {
-            add(CHANGE, self.of_ways());
-        }
-        if is_static {
-            add(CHANGE, self.shifted(None));
-        }
+        add(CHANGE, self.plain());
         if is_static && has_three {
             add(CHANGE, self.of_probes_late());
             add(DWELL, self.unsettled().into_iter().collect());
@@ -227,13 +251,6 @@ impl Trial<'_> {
             add(CHANGE, self.reordered().into_iter().collect());
         }
         tried
-    }
-
-    /// Signs of probes and inputs of all readings.
-    fn of_ways(&self) -> Vec<Tried> {
-        let ways = ways();
-        let first = ways.iter().filter(|way| way.is_first_of_two());
-        first.map(|way| (way.words_of_all(), self.changed_mm(None, |reading| way.apply(reading)))).collect()
     }
 
     /// Each probe alone one row late or early.
@@ -295,42 +312,6 @@ impl Trial<'_> {
             own.zip(reading).for_each(|(row, value)| rows[row] = *value);
         }
         rows
-    }
-
-    /// Of every probe together, by one row and, of all setups, by more.
-    fn shifted(&self, setup: Option<usize>) -> Vec<Tried> {
-        let most = if setup.is_none() { MOST_ROWS_LATE } else { 1 };
-        (1..=most).flat_map(|by| self.late(setup, "the readings", &[0, 1, 2], by)).collect()
-    }
-
-    /// Some of the probes rows late or early.
-    fn late(&self, setup: Option<usize>, which: &str, probes: &[usize], by: usize) -> Vec<Tried> {
-        let tried = self.late_rows(&self.points_of(setup), probes, by);
-        tried.map(|(words, rows)| (format!("{which} {words}"), self.model.rms_mm(&rows))).into()
-    }
-
-    /// Those of some points.
-    fn late_rows(&self, own: &[usize], probes: &[usize], by: usize) -> [(String, DVector<f64>); 2] {
-        let points = &self.experiment.points;
-        let of = match (self.run.kind, by) {
-            (RunKind::Static, 1) => "one pose".into(),
-            (RunKind::Static, _) => format!("{by} poses"),
-            _ if by == 1 => "one row".into(),
-            _ => format!("{by} rows"),
-        };
-        let rows = if by == 1 { "one row".into() } else { format!("{by} rows") };
-        let shifted = |earlier: bool| {
-            self.changed_rows(|readings| {
-                for (&first, &second) in own.iter().zip(own.iter().skip(by)) {
-                    let (to, from) = if earlier { (first, second) } else { (second, first) };
-                    probes.iter().for_each(|&probe| readings[to][probe] = points[from].reading_mm[probe]);
-                }
-            })
-        };
-        [
-            (format!("shifted {rows} earlier: they are {of} late"), shifted(true)),
-            (format!("shifted {rows} later: they are {of} early"), shifted(false)),
-        ]
     }
 
     /// Readings relative to the row before.

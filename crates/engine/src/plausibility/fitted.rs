@@ -96,27 +96,40 @@ impl Fitted {
         inside: &DVector<f64>,
         rows: &[usize],
     ) -> Option<([usize; 2], f64)> {
-        let along_outside = self.basis.tr_mul(outside);
-        let (mut square, mut along) = (0.0, 0.0 * &along_outside);
+        let (along_outside, whole) = (self.basis.tr_mul(outside), outside.norm_squared());
+        // A column for each of `rows`: what the readings before it add to Bᵀy, and to |y|².
+        let mut along = DMatrix::<f64>::zeros(along_outside.len(), rows.len());
+        let mut square = DVector::<f64>::zeros(rows.len());
         let mut next = 0;
-        let sums: Vec<(f64, DVector<f64>)> = rows
-            .iter()
-            .map(|&end| {
-                for row in next..end {
-                    square += inside[row].powi(2) - outside[row].powi(2);
-                    along += self.basis.row(row).transpose() * (inside[row] - outside[row]);
+        for (end, &row_of_end) in rows.iter().enumerate() {
+            if end > 0 {
+                square[end] = square[end - 1];
+                let before = along.column(end - 1).clone_owned();
+                along.set_column(end, &before);
+            }
+            for row in next..row_of_end {
+                square[end] += inside[row].powi(2) - outside[row].powi(2);
+                let change = inside[row] - outside[row];
+                along.column_mut(end).axpy(change, &self.basis.row(row).transpose(), 1.0);
+            }
+            next = row_of_end;
+        }
+        let squares_along =
+            DVector::from_iterator(rows.len(), along.column_iter().map(|sum| sum.norm_squared()));
+        let mut least: Option<([usize; 2], f64)> = None;
+        for last in 1..rows.len() {
+            // |Bᵀy|² of the window is |u − s|², with u from the beginning to its end and s to its first row.
+            let to_last = &along_outside + along.column(last);
+            let along_both = along.columns(0, last).tr_mul(&to_last);
+            let whole = whole + square[last] - to_last.norm_squared();
+            for first in 0..last {
+                let left = whole - square[first] - squares_along[first] + 2.0 * along_both[first];
+                if least.is_none_or(|(_, least)| left < least) {
+                    least = Some(([first, last], left));
                 }
-                next = end;
-                (square, along.clone())
-            })
-            .collect();
-        let left = |[first, last]: [usize; 2]| {
-            let ([of_first, of_last], whole) = ([&sums[first], &sums[last]], outside.norm_squared());
-            whole + of_last.0 - of_first.0 - (&along_outside + &of_last.1 - &of_first.1).norm_squared()
-        };
-        let windows = (0..rows.len()).flat_map(|last| (0..last).map(move |first| [first, last]));
-        let least = windows.map(|window| (window, left(window))).min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let (window, square) = least;
+            }
+        }
+        let (window, square) = least?;
         Some((window.map(|at| rows[at]), (square.max(0.0) / outside.len().max(1) as f64).sqrt()))
     }
 

@@ -33,6 +33,7 @@ pub(super) fn implausible(runs: &[Run]) -> Vec<Implausible> {
             .or_else(|| exchanged::delayed::by_rows(looked))
             .or_else(|| exchanged::repeated::late(looked))
             .or_else(|| exchanged::small::small(looked))
+            .or_else(|| exchanged::plain::plain(looked))
             .or_else(|| path::left(looked))
     };
     looked.iter().filter_map(of_run).collect()

@@ -9,10 +9,9 @@ impl Trial<'_> {
     pub(super) fn mirror(&self, most_left_mm: f64) -> Option<(String, String)> {
         let rows: Vec<usize> = (0..self.run.points.len()).collect();
         let claim = claimed(self.run, &rows);
-        let is_three = self.run.setups.iter().all(|setup| setup.instrument.components().len() == 3);
         let reversed =
             |probe: &usize| self.changed_mm(None, |reading| reading[*probe] *= -1.0) <= most_left_mm;
-        let probe = (0..3).filter(|_| is_three).find(reversed)?;
+        let probe = (0..3).filter(|_| self.has_three()).find(reversed)?;
         let mirror = mirrored::as_good(&claim, probe)?;
         let words = format!(
             "the senses of {}, and of {}, reversed together (sign −1), as the readings are those of a machine in a mirror",
