@@ -63,6 +63,19 @@ impl Fitted {
         readings_mm - &self.directions * self.basis.tr_mul(readings_mm)
     }
 
+    /// Readings of which some rows are lost, each of these as the fit to all others expects it: with M = 1 − BBᵀ, M_ll·y_l = −M_lu·y_u. Of a fit to every
+    /// row.
+    pub fn filled(&self, readings_mm: &DVector<f64>, lost: &[usize]) -> DVector<f64> {
+        let mut filled = readings_mm.clone();
+        let basis = self.basis.select_rows(lost);
+        let own = DMatrix::identity(lost.len(), lost.len()) - &basis * basis.transpose();
+        // A row that the others say nothing of stays as it is.
+        if let Some(off_mm) = own.lu().solve(&self.left_mm(readings_mm).select_rows(lost)) {
+            lost.iter().zip(off_mm.iter()).for_each(|(&row, mm)| filled[row] -= mm);
+        }
+        filled
+    }
+
     /// What the model can explain along which the squares of readings are largest: the first eigenvector of Bᵀ·diag(y²)·B, on every row.
     pub fn strongest(&self, readings_mm: &DVector<f64>) -> Option<DVector<f64>> {
         let mut weighted = self.basis.clone();

@@ -26,6 +26,8 @@ pub(super) struct Looked<'a> {
     pub run: Run,
     /// Which of them were kept of those that were looked at: of all good points where these are no more than [`MOST_POINTS`].
     pub kept: Vec<bool>,
+    /// Setup of each of those that were looked at.
+    pub setup: Vec<usize>,
     pub experiment: Experiment,
     pub model: Fitted,
 }
@@ -50,10 +52,11 @@ impl<'a> Looked<'a> {
         if wrong as f64 > MOST_WRONG * kept.len() as f64 {
             kept.fill(true);
         }
+        let setup = whole.points.iter().map(|point| point.state.setup).collect();
         let experiment = whole.kept(&kept);
         let looked_at = with_points(run, experiment.points.iter().collect());
         let model = Fitted::new(&experiment)?;
-        Some(Self { whole: run, run: looked_at, kept, experiment, model })
+        Some(Self { whole: run, run: looked_at, kept, setup, experiment, model })
     }
 }
 

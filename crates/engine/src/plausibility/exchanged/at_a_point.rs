@@ -38,9 +38,8 @@ impl Trial<'_> {
             let change = |readings: &mut [[f64; 3]]| readings.iter_mut().for_each(|one| way.apply(one));
             (way.words(), self.changed_rows(change))
         };
-        let whole: Vec<usize> = (0..count).collect();
         let late = self
-            .late_rows(&whole, &[0, 1, 2], 1)
+            .late_rows(None, &[0, 1, 2], 1)
             .map(|(words, changed)| (format!("the readings {words}"), changed));
         ways().into_iter().map(of_way).chain(late).filter_map(of_change).collect()
     }
@@ -48,8 +47,7 @@ impl Trial<'_> {
     /// Readings one row late or early, or with every sign reversed, between the two points with which least is left.
     pub(super) fn changed_between_points(&self) -> Vec<Tried> {
         let (experiment, count) = (self.experiment, self.experiment.points.len());
-        let points: Vec<usize> = (0..count).collect();
-        let rows: Vec<usize> = points.iter().map(|&at| experiment.rows_of(at).start).collect();
+        let rows: Vec<usize> = (0..count).map(|at| experiment.rows_of(at).start).collect();
         let as_given = experiment.readings_mm();
         let of_change = |(words, changed): (String, DVector<f64>)| {
             let (window, _) = self.model.least_of_windows_mm(&as_given, &changed, &rows)?;
@@ -61,7 +59,7 @@ impl Trial<'_> {
                 (format!("{words} from {first:.0} % to {last:.0} % of the points"), left_mm)
             })
         };
-        let late = self.late_rows(&points, &[0, 1, 2], 1);
+        let late = self.late_rows(None, &[0, 1, 2], 1);
         let late = late.map(|(words, changed)| (format!("the readings {words}"), changed));
         let reversed = ("the signs of all readings reversed".to_string(), -&as_given);
         late.into_iter().chain([reversed]).filter_map(of_change).collect()

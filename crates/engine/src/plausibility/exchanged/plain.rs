@@ -52,18 +52,29 @@ impl Trial<'_> {
 
     /// Some of the probes rows late or early.
     pub(super) fn late(&self, setup: Option<usize>, which: &str, probes: &[usize], by: usize) -> Vec<Tried> {
-        let tried = self.late_rows(&self.points_of(setup), probes, by);
+        let tried = self.late_rows(setup, probes, by);
         tried.map(|(words, rows)| (format!("{which} {words}"), self.model.rms_mm(&rows))).into()
     }
 
-    /// Those of some points.
+    /// Those of one setup, or all. Where no row has what belongs to a pose, or one that no fit keeps, the others say it.
     pub(super) fn late_rows(
         &self,
-        own: &[usize],
+        setup: Option<usize>,
         probes: &[usize],
         by: usize,
     ) -> [(String, DVector<f64>); 2] {
-        let points = &self.experiment.points;
+        let Looked { kept, setup: setups, .. } = self.looked;
+        let own: Vec<usize> =
+            (0..kept.len()).filter(|&at| setup.is_none_or(|setup| setups[at] == setup)).collect();
+        // The number of each in the experiment.
+        let mut count = 0;
+        let number: Vec<Option<usize>> = kept
+            .iter()
+            .map(|&is_kept| {
+                count += usize::from(is_kept);
+                is_kept.then(|| count - 1)
+            })
+            .collect();
         let of = match (self.run.kind, by) {
             (RunKind::Static, 1) => "one pose".into(),
             (RunKind::Static, _) => format!("{by} poses"),
@@ -72,12 +83,29 @@ impl Trial<'_> {
         };
         let rows = if by == 1 { "one row".into() } else { format!("{by} rows") };
         let shifted = |earlier: bool| {
-            self.changed_rows(|readings| {
-                for (&first, &second) in own.iter().zip(own.iter().skip(by)) {
-                    let (to, from) = if earlier { (first, second) } else { (second, first) };
-                    probes.iter().for_each(|&probe| readings[to][probe] = points[from].reading_mm[probe]);
+            let mut lost = Vec::new();
+            let readings_mm = self.changed_rows(|readings| {
+                for (k, to) in own.iter().enumerate().filter_map(|(k, &at)| Some((k, number[at]?))) {
+                    let from = if earlier { Some(k + by) } else { k.checked_sub(by) };
+                    let from = from.and_then(|from| number[*own.get(from)?]);
+                    match from {
+                        Some(from) => {
+                            let other = &self.experiment.points[from].reading_mm;
+                            probes.iter().for_each(|&probe| readings[to][probe] = other[probe]);
+                        }
+                        None => {
+                            let rows = self.experiment.rows_of(to);
+                            lost.extend(
+                                probes
+                                    .iter()
+                                    .map(|probe| rows.start + probe)
+                                    .filter(|row| rows.contains(row)),
+                            );
+                        }
+                    }
                 }
-            })
+            });
+            self.model.filled(&readings_mm, &lost)
         };
         [
             (format!("shifted {rows} earlier: they are {of} late"), shifted(true)),

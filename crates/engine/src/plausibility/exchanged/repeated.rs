@@ -31,8 +31,7 @@ pub(in crate::plausibility) fn late(looked: &Looked) -> Option<Implausible> {
     let passes = passes(experiment);
     let as_given = repeatability(experiment, &passes)?;
     let trial = Trial { looked, run, experiment, model };
-    let points = trial.points_of(None);
-    let shifted = |by: usize| trial.late_rows(&points, &[0, 1, 2], by);
+    let shifted = |by: usize| trial.late_rows(None, &[0, 1, 2], by);
     let repeats = |(words, rows): (String, DVector<f64>)| {
         let mut moved = experiment.clone();
         for (at, point) in moved.points.iter_mut().enumerate() {
