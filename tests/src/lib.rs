@@ -16,6 +16,7 @@ pub mod peer;
 pub mod schemes;
 pub mod secret_forms;
 pub mod section;
+pub mod stopped;
 #[expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 pub mod sweeps;
 mod three_probes;

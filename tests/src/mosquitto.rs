@@ -1,10 +1,11 @@
 //! The broker mosquitto of this computer.
 
+use crate::stopped::Stopped;
 use std::ffi::OsStr;
 use std::io;
 use std::net::TcpStream;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Longest wait for it to listen: a judgement, as of a computer that has much else to do.
@@ -13,7 +14,9 @@ const BEGINS_WITHIN: Duration = Duration::from_secs(20);
 /// A broker that listens; killed when it is dropped, on whatever way out.
 ///
 /// It has no part in what a test prints: one that outlives its test would keep the reader of that waiting.
-pub struct Mosquitto(Child);
+pub struct Mosquitto {
+    _program: Stopped,
+}
 
 impl Mosquitto {
     /// For this computer alone, without a password.
@@ -38,7 +41,7 @@ impl Mosquitto {
         let program = if Path::new(usual).exists() { usual } else { "mosquitto" };
         let mut command = Command::new(program);
         command.args(words).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-        let started = Self(command.spawn()?);
+        let started = Self { _program: Stopped(command.spawn()?) };
         let begun = Instant::now();
         loop {
             match TcpStream::connect(("127.0.0.1", port)) {
@@ -46,14 +49,6 @@ impl Mosquitto {
                 Err(error) if begun.elapsed() > BEGINS_WITHIN => return Err(error),
                 Err(_) => std::thread::sleep(Duration::from_millis(20)),
             }
-        }
-    }
-}
-
-impl Drop for Mosquitto {
-    fn drop(&mut self) {
-        if let Err(error) = self.0.kill().and_then(|()| self.0.wait()) {
-            eprintln!("mosquitto could not be stopped: {error}");
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Programs of others, in Python, that run beside a test.
 
+use crate::stopped::Stopped;
 use crate::workspace_root;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::process::{ChildStdout, Command, Stdio};
 
 /// Python with the packages of `tests/peers/requirements.txt`.
 ///
@@ -16,7 +17,7 @@ pub fn peers_python() -> PathBuf {
 
 /// A script of `tests/peers` in a process of its own, which ends with this.
 pub struct PythonPeer {
-    child: Child,
+    child: Stopped,
     output: BufReader<ChildStdout>,
     /// The line by which it says that it is ready.
     pub reported: String,
@@ -38,7 +39,7 @@ impl PythonPeer {
         let mut reported = String::new();
         let mut output = BufReader::new(child.stdout.take().expect("piped"));
         output.read_line(&mut reported).expect("the peer says when it is ready");
-        Self { child, output, reported: reported.trim().to_owned() }
+        Self { child: Stopped(child), output, reported: reported.trim().to_owned() }
     }
 
     /// The next line of JSON that it prints.
@@ -65,13 +66,6 @@ impl PythonPeer {
     /// # Panics
     /// When it does not listen any more.
     pub fn order(&mut self, word: &str) {
-        writeln!(self.child.stdin.as_mut().expect("piped"), "{word}").expect("the peer listens");
-    }
-}
-
-impl Drop for PythonPeer {
-    fn drop(&mut self) {
-        self.child.kill().expect("the peer can be ended");
-        self.child.wait().expect("the peer ends");
+        writeln!(self.child.0.stdin.as_mut().expect("piped"), "{word}").expect("the peer listens");
     }
 }

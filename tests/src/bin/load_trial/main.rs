@@ -23,9 +23,10 @@ use flood::{AtPage, Page, Visitors};
 use floor::{Floor, Rates};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use trunnion_tests::pauses::Pauses;
+use trunnion_tests::stopped::Stopped;
 use watch::Watch;
 
 /// Measure on the fly at full rate for some minutes; count what was lost, and what it cost
@@ -270,15 +271,4 @@ async fn finished(folder: &Path, child: &mut Stopped) -> anyhow::Result<PathBuf>
         tokio::time::sleep(Duration::from_millis(200)).await;
     }
     bail!("no finished recording in {} after {} s", folder.display(), FINISH_LIMIT.as_secs())
-}
-
-/// A child that is stopped when it is no longer needed, on whatever way out.
-struct Stopped(Child);
-
-impl Drop for Stopped {
-    fn drop(&mut self) {
-        if let Err(error) = self.0.kill().and_then(|()| self.0.wait()) {
-            eprintln!("the service could not be stopped: {error}");
-        }
-    }
 }

@@ -3,8 +3,8 @@
 use crate::count::{self, Judged};
 use crate::floor::{Floor, Order, Rates};
 use crate::readers::{self, Received};
+use crate::soak_table;
 use crate::watch::{Sample, Watch};
-use crate::{Stopped, soak_table};
 use anyhow::{Context, bail};
 use clap::Args;
 use std::collections::BTreeMap;
@@ -16,6 +16,7 @@ use trunnion_results::RunRecord;
 use trunnion_tests::mosquitto::Mosquitto;
 use trunnion_tests::page_status::{free_address, free_port, status};
 use trunnion_tests::pauses::Pauses;
+use trunnion_tests::stopped::Stopped;
 
 /// What is run, and for how long
 #[derive(Args)]
