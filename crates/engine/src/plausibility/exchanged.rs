@@ -3,6 +3,7 @@
 mod at_a_point;
 mod axes;
 pub(super) mod delayed;
+mod late;
 mod mirror;
 mod parts;
 mod physics;
@@ -21,8 +22,6 @@ use super::found::Implausible;
 use super::looked::Looked;
 use crate::Experiment;
 use crate::fit::identification::Repeatability;
-use crate::noise::repeatability::repeatability;
-use crate::problem::passes::passes;
 use axes::{PROBES, ways};
 use nalgebra::DVector;
 use trunnion_core::convert::um_from_mm;
@@ -62,53 +61,37 @@ const DWELL: &str = "Measure again with a longer dwell.";
 /// The mistake with which readings and positions belong together; of a machine that lacks another effect too, next to whichever effect of one
 /// axis leaves the least.
 pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
-    let Looked { run, experiment, model, .. } = looked;
-    let before_um = um_from_mm(model.rms_mm(&experiment.readings_mm()));
-    let repeated = repeatability(experiment, &passes(experiment));
-    let gross_um = gross_um(repeated);
-    if before_um < gross_um || variation_um(run) < GROSS_UM {
+    let before_um = um_from_mm(looked.left_mm());
+    if before_um < gross_um(looked) || variation_um(&looked.run) < GROSS_UM {
         return None;
     }
-    let asked = Asked { before_um, gross_um, repeated, divided: BELIEVED };
-    asked.of(looked, |trial| trial.all(before_um >= GROSS_UM))
+    believed(looked, BELIEVED, |trial| trial.all(before_um >= GROSS_UM))
 }
 
-fn gross_um(repeated: Option<Repeatability>) -> f64 {
-    repeated.map_or(GROSS_UM, |of| GROSS_UM.min(GROSS_REPEATABILITIES * um_from_mm(of.sigma_mm)))
+fn gross_um(looked: &Looked) -> f64 {
+    let repeated_um = looked.repeated().map(|of| um_from_mm(of.sigma_mm));
+    repeated_um.map_or(GROSS_UM, |repeated_um| GROSS_UM.min(GROSS_REPEATABILITIES * repeated_um))
 }
 
-/// What is asked of mistakes that were tried.
-struct Asked {
-    /// What the base model alone leaves of the readings as they are.
-    before_um: f64,
-    gross_um: f64,
-    repeated: Option<Repeatability>,
-    /// A mistake is believed where undoing it divides what the model leaves by this.
+/// The mistake that is believed of those `tried`, next to the base model, then next to one more effect; `divided`: by how much undoing it has to
+/// divide what the model leaves.
+fn believed(
+    looked: &Looked,
     divided: f64,
-}
-
-impl Asked {
-    /// Next to the base model, then next to one more effect.
-    fn of(
-        &self,
-        looked: &Looked,
-        tried: impl Fn(&Trial<'_>) -> Vec<(Tried, &'static str)>,
-    ) -> Option<Implausible> {
-        let Looked { run, experiment, model, .. } = looked;
-        let alone = Trial { looked, run, experiment, model };
-        let of_alone = tried(&alone);
-        let mostly =
-            of_alone.iter().filter(|((_, left_mm), _)| MOSTLY * um_from_mm(*left_mm) < self.before_um);
-        let mostly: Vec<String> = mostly.map(|((words, _), _)| words.clone()).collect();
-        alone.believed(of_alone, self, "").or_else(|| {
-            let is_one = |((words, _), _): &(Tried, &str)| mostly.contains(words);
-            // Of good runs there is none, which saves the time of trying all again.
-            let model = &(!mostly.is_empty()).then(|| model.with_an_effect(experiment))?;
-            let with_effect = Trial { looked, run, experiment, model };
-            let of_both = tried(&with_effect).into_iter().filter(is_one).collect();
-            with_effect.believed(of_both, self, ", and one more effect of an axis")
-        })
-    }
+    tried: impl Fn(&Trial<'_>) -> Vec<(Tried, &'static str)>,
+) -> Option<Implausible> {
+    let alone = Trial::of(looked);
+    let of_alone = tried(&alone);
+    let mostly = of_alone.iter().filter(|((_, left_mm), _)| MOSTLY * left_mm < looked.left_mm());
+    let mostly: Vec<String> = mostly.map(|((words, _), _)| words.clone()).collect();
+    alone.believed(of_alone, divided, "").or_else(|| {
+        let is_one = |((words, _), _): &(Tried, &str)| mostly.contains(words);
+        // Of good runs there is none, which saves the time of trying all again.
+        let model = &(!mostly.is_empty()).then(|| looked.model.with_an_effect(&looked.experiment))?;
+        let with_effect = Trial { model, ..alone };
+        let of_both = tried(&with_effect).into_iter().filter(is_one).collect();
+        with_effect.believed(of_both, divided, ", and one more effect of an axis")
+    })
 }
 
 /// Readings that are not gross, and do not fit their positions as well as they repeat: before and with the mistake undone, mm.
@@ -162,15 +145,20 @@ struct Trial<'a> {
     model: &'a Fitted,
 }
 
-impl Trial<'_> {
+impl<'a> Trial<'a> {
+    /// With the base model alone.
+    fn of(looked: &'a Looked<'a>) -> Self {
+        Self { looked, run: &looked.run, experiment: &looked.experiment, model: &looked.model }
+    }
+
     /// The mistake of those `tried` that is believed; `next_to`: what else the model of the trial has, in words.
     fn believed(
         &self,
         tried: Vec<(Tried, &'static str)>,
-        asked: &Asked,
+        divided: f64,
         next_to: &str,
     ) -> Option<Implausible> {
-        let Asked { before_um, gross_um, repeated, divided } = *asked;
+        let before_um = um_from_mm(self.looked.left_mm());
         let as_given_mm = self.model.rms_mm(&self.experiment.readings_mm());
         let least_mm = tried.iter().map(|((_, left_mm), _)| *left_mm).fold(f64::INFINITY, f64::min);
         let ((mistake, left_mm), to_do) =
@@ -181,9 +169,9 @@ impl Trial<'_> {
             || before_um > LARGEST_NATURAL_UM && self.of_a_large_effect_mm() > AS_GOOD * left_mm;
         let is_believed = divided * left_mm < as_given_mm && (is_alone || is_too_large());
         is_believed.then(|| {
-            let mut hypothesis = match (self.mirror(AS_GOOD * least_mm), repeated) {
+            let mut hypothesis = match (self.mirror(AS_GOOD * least_mm), self.looked.repeated()) {
                 // What is left is gross itself: it would be doubted again.
-                (_, Some(of)) if left_um >= gross_um => {
+                (_, Some(of)) if left_um >= gross_um(self.looked) => {
                     let repeats_um = um_from_mm(of.sigma_mm);
                     format!(
                         "With {mistake}{next_to}, {left_um:.1} µm are left, and readings of one pose repeat within {repeats_um:.2} µm: no full explanation. \
@@ -210,6 +198,7 @@ impl Trial<'_> {
         })
     }
 
+    /// Whether three probes read the ball in every setup.
     fn has_three(&self) -> bool {
         self.run.setups.iter().all(|setup| setup.instrument.components().len() == 3)
     }

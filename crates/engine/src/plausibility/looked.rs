@@ -5,8 +5,12 @@
 
 use super::fitted::{Fitted, columns};
 use crate::Experiment;
+use crate::fit::identification::Repeatability;
 use crate::noise::outliers::excluded;
+use crate::noise::repeatability::repeatability;
+use crate::problem::passes::passes;
 use nalgebra::DVector;
+use std::cell::OnceCell;
 use std::convert::Infallible;
 use trunnion_core::{InstrumentKind, Point};
 use trunnion_cycles::Run;
@@ -30,6 +34,7 @@ pub(super) struct Looked<'a> {
     pub setup: Vec<usize>,
     pub experiment: Experiment,
     pub model: Fitted,
+    repeated: OnceCell<Option<Repeatability>>,
 }
 
 impl<'a> Looked<'a> {
@@ -56,7 +61,17 @@ impl<'a> Looked<'a> {
         let experiment = whole.kept(&kept);
         let looked_at = with_points(run, experiment.points.iter().collect());
         let model = Fitted::new(&experiment)?;
-        Some(Self { whole: run, run: looked_at, kept, setup, experiment, model })
+        Some(Self { whole: run, run: looked_at, kept, setup, experiment, model, repeated: OnceCell::new() })
+    }
+
+    /// What the base model leaves of the readings as they are, rms, mm.
+    pub fn left_mm(&self) -> f64 {
+        self.model.rms_mm(&self.experiment.readings_mm())
+    }
+
+    /// How well the readings repeat; worked out once, for all rules that ask.
+    pub fn repeated(&self) -> Option<Repeatability> {
+        *self.repeated.get_or_init(|| repeatability(&self.experiment, &passes(&self.experiment)))
     }
 }
 

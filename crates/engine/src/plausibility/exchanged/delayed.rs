@@ -6,11 +6,9 @@
 //! neighbours, at the time that so many rows make.
 
 use super::{AS_GOOD, BELIEVED, CHANGE, MOST_ROWS_LATE, Trial, Tried, fits, unfit};
-use crate::noise::repeatability::repeatability;
 use crate::plausibility::fitted::{Fitted, columns};
 use crate::plausibility::found::Implausible;
 use crate::plausibility::looked::Looked;
-use crate::problem::passes::passes;
 use nalgebra::DMatrix;
 use std::collections::HashMap;
 use trunnion_core::statistics::{median, rms};
@@ -20,13 +18,12 @@ use trunnion_cycles::RunKind;
 const PAUSE_STEPS: f64 = 3.0;
 
 pub(in crate::plausibility) fn by_rows(looked: &Looked) -> Option<Implausible> {
-    let Looked { run, experiment, model, .. } = looked;
+    let Looked { run, experiment, .. } = looked;
     if run.kind != RunKind::OnTheFly {
         return None;
     }
-    let repeated = repeatability(experiment, &passes(experiment))?;
-    let before_mm = model.rms_mm(&experiment.readings_mm());
-    let trial = Trial { looked, run, experiment, model };
+    let (repeated, before_mm) = (looked.repeated()?, looked.left_mm());
+    let trial = Trial::of(looked);
     let columns = columns(experiment)?;
     let tried =
         (1..=MOST_ROWS_LATE as isize).flat_map(|by| [by, -by]).filter_map(|by| trial.late_by(&columns, by));

@@ -6,11 +6,9 @@
 //! off what is left. Readings that had not settled repeat badly, so that what they leave does not look gross.
 
 use super::{AS_GOOD, BELIEVED, CHANGE, DWELL, Trial, fits, unfit};
-use crate::noise::repeatability::repeatability;
 use crate::plausibility::fitted::Tried;
 use crate::plausibility::found::Implausible;
 use crate::plausibility::looked::Looked;
-use crate::problem::passes::passes;
 use std::ops::RangeInclusive;
 use trunnion_cycles::RunKind;
 
@@ -22,16 +20,15 @@ const SMALL_DEG: RangeInclusive<i32> = 6..=45;
 const DIVIDED: f64 = 2.0;
 
 pub(in crate::plausibility) fn small(looked: &Looked) -> Option<Implausible> {
-    let Looked { run, experiment, model, .. } = looked;
+    let run = &looked.run;
     if run.setups.iter().any(|setup| setup.instrument.components().len() != 3) {
         return None;
     }
-    let repeated = repeatability(experiment, &passes(experiment))?;
-    let before_mm = model.rms_mm(&experiment.readings_mm());
+    let (repeated, before_mm) = (looked.repeated()?, looked.left_mm());
     if fits(&repeated, before_mm) {
         return None;
     }
-    let trial = Trial { looked, run, experiment, model };
+    let trial = Trial::of(looked);
     let turned = trial.setups_turned().into_iter().map(|one| (one, CHANGE));
     let unsettled = (run.kind == RunKind::Static).then(|| trial.unsettled()).flatten();
     let tried = turned.chain(unsettled.map(|one| (one, DWELL)));

@@ -5,11 +5,9 @@
 
 use super::{FINEST_UM, PART_OF_NOISE, Rounded, What};
 use crate::noise::learned::display::nominal_readings_mm;
-use crate::noise::repeatability::repeatability;
 use crate::plausibility::digits::{Digits, significant, significant_step};
 use crate::plausibility::looked::Looked;
 use crate::plausibility::readings::FEWEST_POINTS;
-use crate::problem::passes::passes;
 use trunnion_core::convert::um_from_mm;
 use trunnion_core::statistics::rms;
 use trunnion_core::{Point, ReadingColumn};
@@ -43,7 +41,7 @@ pub(in crate::plausibility) fn rounded_lengths(run: &Run) -> Option<Rounded> {
     // A display of one value a target has the distance of the targets as its step: the model leaves less.
     let experiment = &looked.experiment;
     let left_mm = looked.model.rms_mm(&(experiment.readings_mm() - nominal_readings_mm(experiment)));
-    let repeated = repeatability(experiment, &passes(experiment));
+    let repeated = looked.repeated();
     let scatter_mm = repeated.map_or(left_mm, |repeated| repeated.sigma_mm.min(left_mm));
     let is_pattern = scatter_mm < 0.5 * step_mm && hidden_mm > PART_OF_NOISE * scatter_mm;
     let scatter_um = um_from_mm(scatter_mm);
