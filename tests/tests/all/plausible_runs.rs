@@ -132,12 +132,12 @@ fn a_reversed_probe_of_a_sweep_is_named_though_an_error_motion_explains_it() {
 }
 
 /// A run at rest on a machine that hides an effect of usual size, with its readings changed: how often no word names it.
-fn named_next_to_physics(change: impl Fn(&mut Run), words: &str) -> usize {
+fn missed_next_to_physics(change: impl Fn(&mut Run), words: &str) -> usize {
     let (machine, cycle, below_axes_mm) = AT_REST[0];
     let can_have = |seed: u64, id: &String| {
         measured(machine, cycle, below_axes_mm, seed, &[HiddenChoice { id: id.clone(), sigma: 1.0 }])
     };
-    let runs = (300..).zip(ids()).step_by(2).filter_map(|(seed, id)| can_have(seed, &id));
+    let runs = (300..).zip(ids()).filter_map(|(seed, id)| can_have(seed, &id));
     let is_named = |mut run: Run| {
         change(&mut run);
         implausible(&[run]).iter().any(|one| one.hypothesis.contains(words))
@@ -154,11 +154,11 @@ fn mistakes_without_a_number_are_named_next_to_a_hidden_effect() {
         move |run: &mut Run| run.points.iter_mut().for_each(|point| change(&mut point.reading_mm))
     };
     let reversed =
-        named_next_to_physics(of_readings(|mm| mm[0] *= -1.0), "the sign of the readings dx reversed");
-    let exchanged = named_next_to_physics(of_readings(|mm| mm.swap(0, 1)), "dx and dy exchanged");
-    let late = named_next_to_physics(|run| *run = shifted(run, 1), "they are one pose late");
-    // Of all 47 effects 1, 0 and 3 are missed: an effect that is many times what the mistake makes hides it.
-    assert!(reversed <= 2 && exchanged <= 2 && late <= 3, "missed: {reversed}, {exchanged}, {late}");
+        missed_next_to_physics(of_readings(|mm| mm[0] *= -1.0), "the sign of the readings dx reversed");
+    let exchanged = missed_next_to_physics(of_readings(|mm| mm.swap(0, 1)), "dx and dy exchanged");
+    let late = missed_next_to_physics(|run| *run = shifted(run, 1), "they are one pose late");
+    // An effect that is many times what the mistake makes hides it. Asked for as much as a mistake with a number, 6, 6 and 3 of the 47 are missed.
+    assert!(reversed <= 2 && exchanged <= 2 && late <= 2, "missed: {reversed}, {exchanged}, {late}");
 }
 
 /// Positions of a sweep in steps of so many mm: what the rounding hides, and whether nothing can be judged.
