@@ -66,11 +66,11 @@ impl Trial<'_> {
     /// Of every row what the one so many rows behind it in its setup reads.
     fn of_rows(&self, by: isize) -> Moved {
         let points = &self.experiment.points;
-        let of_row = |at: usize| {
-            let other = points.get(at.checked_add_signed(by)?)?;
-            (other.state.setup == points[at].state.setup).then_some(other.reading_mm)
-        };
-        (0..points.len()).map(of_row).collect()
+        let mut moved = vec![None; points.len()];
+        for (to, from) in (0..self.run.setups.len()).flat_map(|setup| self.behind(Some(setup), by)) {
+            moved[to] = from.map(|from| points[from].reading_mm);
+        }
+        moved
     }
 
     /// Steps between neighbours of one setup: the first of them, s.

@@ -1,4 +1,4 @@
-//! Readings that are rows late or early, at rest: each pose gets what another row holds.
+//! Readings that are rows late or early: each pose gets what another row holds.
 //!
 //! Rows are counted as the file has them. The first reading of a setup, in a file one row late, is one of the setup before, and no fit keeps it: it
 //! has its place in the order all the same.
@@ -65,7 +65,7 @@ impl Trial<'_> {
     }
 
     /// Every point of the experiment with the one so many rows behind it in its setup, or in all; `None` where no fit keeps that, or there is none.
-    fn behind(&self, setup: Option<usize>, by: isize) -> Vec<(usize, Option<usize>)> {
+    pub(super) fn behind(&self, setup: Option<usize>, by: isize) -> Vec<(usize, Option<usize>)> {
         let Looked { kept, setup: setups, .. } = self.looked;
         let own = (0..kept.len()).filter(|&at| setup.is_none_or(|setup| setups[at] == setup));
         let own: Vec<usize> = own.collect();
