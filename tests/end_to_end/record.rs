@@ -4,13 +4,12 @@ use super::three_probes::{SILENCE_MS, devices, head, nest};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use trunnion_core::InstrumentKind;
 use trunnion_cycles::Cycle;
 use trunnion_hil_sim::devices::cell;
 use trunnion_hil_sim::devices::cell::CellConfig;
 use trunnion_hil_sim::devices::mtconnect::Shown;
 use trunnion_hil_sim::scenario::{Pace, Station, static_cycle};
-use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine};
+use trunnion_hil_sim::{SimSetup, Truth, VirtualMachine};
 use trunnion_machine::shipped;
 
 const CYCLE: &str = include_str!("../../config/cycles/demo-static.toml");
@@ -28,11 +27,7 @@ async fn a_cycle_that_is_reset_is_kept_counted_and_not_judged() {
     let poses = cycle.poses(&machine).unwrap();
     let stations: Vec<Station> =
         poses.iter().map(|pose| Station { setup: pose.setup, position: pose.position }).collect();
-    let sim = |setup: &trunnion_core::Setup| {
-        assert_eq!(setup.instrument, InstrumentKind::RTest);
-        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::R_TEST)
-    };
-    let setups: Vec<SimSetup> = cycle.setups.iter().map(sim).collect();
+    let setups: Vec<SimSetup> = cycle.setups.iter().map(SimSetup::from).collect();
     let truth = Truth::draw(&machine, &setups, &[], 60.0, 3).unwrap();
     let world = VirtualMachine::new(machine, truth).unwrap();
     // Slow enough that a busy computer reads some poses before the reset.

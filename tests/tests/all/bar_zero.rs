@@ -1,7 +1,7 @@
 //! A service whose bar counts from another zero than its configuration says: a doubt with the first points, and no verdict.
 
-use crate::bar_program::{BarProgram, mounted};
-use crate::bars_in_service::{LATER_S, OPERATOR_S, cell, floor, quick};
+use crate::cycle_program::{CycleProgram, mounted};
+use crate::cycles_in_service::{LATER_S, OPERATOR_S, cell, floor, quick};
 use crate::service::measured;
 use std::path::Path;
 use std::sync::Arc;
@@ -25,12 +25,12 @@ async fn a_bar_that_counts_from_another_zero_is_doubted_at_once_and_never_judged
     let cycle = Cycle::parse("c.toml", &text).unwrap();
     assert!(cycle.setups.len() == 2 && cycle.setups.iter().all(|setup| setup.calibrated));
     let machine = shipped::machine(&cycle.machine).unwrap();
-    let program = BarProgram::of(&cycle, &machine, &quick(), OPERATOR_S);
+    let program = CycleProgram::of(&cycle, &machine, &quick(), OPERATOR_S);
     let duration_s = program.trajectory.duration_s();
     let truth = Truth::draw(&machine, &mounted(&cycle), &[], duration_s, 7).unwrap();
     let world = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
     let shop = |folder: &Path| {
-        let mut floor = floor(folder, &program, &machine);
+        let mut floor = floor(folder, &cycle, &program, &machine);
         let (bus, _) = floor.can.as_mut().unwrap();
         let NodeKind::BallBar { zero_mm, .. } = &mut bus.nodes[0].kind else { panic!("a ball bar") };
         *zero_mm = SHOWN_MM;

@@ -1,7 +1,7 @@
 //! Every ball-bar cycle is read live: its NC program, samples of axes and bar, points, and the base model fitted to them, against
 //! a virtual machine.
 
-use crate::bar_program::{BarProgram, mounted};
+use crate::cycle_program::{CycleProgram, mounted};
 use trunnion_core::{AxisSample, Channel, Point, ProbeSample, Quality, Role};
 use trunnion_cycles::{CourseRules, Cycle, Run};
 use trunnion_effects::Model;
@@ -64,7 +64,7 @@ fn measured_by(name: &str, seed: u64, zero_mm: f64) -> Measured {
     let channels = vec![Channel { device: 0, name: "bar".into(), role: Role::Bar }];
     let plan = Plan { machine: machine.clone(), cycle: cycle.clone(), nest: rows, channels };
     let mut forming = Forming::new(&plan, 0).unwrap_or_else(|error| panic!("{name}: {error}"));
-    let program = BarProgram::of(&cycle, &machine, &CourseRules::default(), OPERATOR_S);
+    let program = CycleProgram::of(&cycle, &machine, &CourseRules::default(), OPERATOR_S);
     let mut out = Vec::new();
     for tick in 0..(program.trajectory.duration_s() / STEP_S) as u32 {
         let time_s = f64::from(tick) * STEP_S;

@@ -2,14 +2,14 @@
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic")]
 
-mod bar_program;
 mod bar_zero;
-mod bars_in_service;
 mod bars_live;
 mod circles;
 mod citations;
 mod convergence;
 mod cycle_boundaries;
+mod cycle_program;
+mod cycles_in_service;
 mod edges;
 mod empty_sweeps;
 mod fault_matrix;

@@ -1,13 +1,14 @@
 //! Good runs with whatever physics are plausible; sweeps whose readings belong to the row before are named.
 
+use crate::cycle_program::mounted;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trunnion_core::{NestSide, Point, Quality, Setup};
+use trunnion_core::{Point, Quality};
 use trunnion_cycles::{Cycle, Pace, Run};
 use trunnion_engine::plausibility::{Implausible, PositionDigits, implausible};
 use trunnion_hil_sim::physics::hidden::ids;
-use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine};
+use trunnion_hil_sim::{HiddenChoice, Truth, VirtualMachine};
 use trunnion_machine::shipped;
 
 const CYCLE: &str = include_str!("../../../config/cycles/r-test-sweep-c.toml");
@@ -43,16 +44,7 @@ fn measured(
     let machine = shipped::machine(machine).unwrap();
     let mut cycle = Cycle::parse("cycle.toml", cycle).unwrap();
     cycle.setups.iter_mut().for_each(|setup| setup.ball_in_tool_mm.z -= below_axes_mm);
-    let nest = |setup: &Setup| match setup.nest {
-        NestSide::Table => NestOn::Table,
-        NestSide::Spindle => NestOn::Spindle,
-    };
-    let of = |setup: &Setup| SimSetup {
-        ball_in_tool_mm: setup.ball_in_tool_mm,
-        ..SimSetup::new(setup.name.clone(), nest(setup), setup.ball_in_table_mm, Instrument::R_TEST)
-    };
-    let setups: Vec<SimSetup> = cycle.setups.iter().map(of).collect();
-    let truth = Truth::draw(&machine, &setups, hidden, 60.0, seed).ok()?;
+    let truth = Truth::draw(&machine, &mounted(&cycle), hidden, 60.0, seed).ok()?;
     let world = VirtualMachine::new(machine.clone(), truth).unwrap();
     let states = cycle.visits(&machine, &Pace { points_per_s: 10.0, ..Pace::default() }).unwrap().states;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

@@ -1,5 +1,6 @@
 //! The service end to end: virtual devices on real ports, a probe unplugged in the middle of the cycle; delays found on the fly.
 
+use crate::cycle_program::mounted;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,7 +16,7 @@ use trunnion_hil_sim::devices::cell::CellConfig;
 use trunnion_hil_sim::devices::mtconnect::Shown;
 use trunnion_hil_sim::devices::{Fault, ScheduledFault, World, cell};
 use trunnion_hil_sim::scenario::{Pace, Station};
-use trunnion_hil_sim::{HiddenChoice, Instrument, NestOn, SimSetup, Truth, VirtualMachine, scenario};
+use trunnion_hil_sim::{HiddenChoice, Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
@@ -114,13 +115,6 @@ fn bar(ports: &Path, controller: &str) -> String {
     )
 }
 
-fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
-    let of = |setup: &trunnion_core::Setup| {
-        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::R_TEST)
-    };
-    cycle.setups.iter().map(of).collect()
-}
-
 /// The small cycle with every second pose, and a machine to measure in it.
 pub struct Staged {
     pub cycle_text: String,
@@ -143,7 +137,7 @@ pub fn staged() -> Staged {
         .collect();
     let pace = Pace { move_s: 0.06, dwell_s: 0.1 };
     let duration_s = scenario::duration_s(stations.len(), pace);
-    let truth = Truth::draw(&machine, &sim_setups(&cycle), &[], duration_s, 3).unwrap();
+    let truth = Truth::draw(&machine, &mounted(&cycle), &[], duration_s, 3).unwrap();
     let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
     Staged { cycle_text, machine, stations, pace, duration_s, virtual_machine }
 }
@@ -221,7 +215,7 @@ async fn on_the_fly_the_delays_of_probes_and_axes_are_found_and_taken_out() {
     let machine = shipped::machine("table-bc").unwrap();
     // The rotary axes come later than the linear ones; the second and the third probe answer 10 and 20 ms late.
     let hidden = [HiddenChoice { id: "sync-delay".into(), sigma: 4.0 }];
-    let truth = Truth::draw(&machine, &sim_setups(&cycle), &hidden, 30.0, 5).unwrap();
+    let truth = Truth::draw(&machine, &mounted(&cycle), &hidden, 30.0, 5).unwrap();
     let late_s = truth.hidden[0].amplitude * truth.hidden[0].shape[0];
     let virtual_machine = Arc::new(VirtualMachine::new(machine.clone(), truth).unwrap());
     let Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others, .. } = &cycle.motion else {
@@ -266,7 +260,7 @@ async fn a_live_sweep_of_a_good_machine_at_three_feeds_names_nothing() {
     let text = SWEEP.replace("[5400, 7200]", "[3600, 5400, 7200]");
     let cycle = Cycle::parse("c.toml", &text).unwrap();
     let machine = shipped::machine("table-bc").unwrap();
-    let truth = Truth::draw(&machine, &sim_setups(&cycle), &[], 40.0, 11).unwrap();
+    let truth = Truth::draw(&machine, &mounted(&cycle), &[], 40.0, 11).unwrap();
     let virtual_machine = Arc::new(VirtualMachine::new(machine, truth).unwrap());
     let Motion::OnTheFly { axis, from_to_rad, feeds_rad_per_s, others, .. } = &cycle.motion else {
         panic!("the cycle is on the fly")

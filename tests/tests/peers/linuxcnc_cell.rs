@@ -17,7 +17,7 @@ use trunnion_cycles::{CourseRules, Cycle};
 use trunnion_effects::Model;
 use trunnion_hil_sim::devices::cell::CellConfig;
 use trunnion_hil_sim::devices::{CycleState, TimeOrigin, World, cell, orthogonal_nest};
-use trunnion_hil_sim::{Instrument, NestOn, SimSetup, VirtualMachine};
+use trunnion_hil_sim::{SimSetup, VirtualMachine};
 use trunnion_machine::{Machine, shipped};
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
@@ -168,10 +168,7 @@ pub struct Task<'a> {
 
 /// The setups of a cycle as the simulated machine has them.
 pub fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
-    let setup = |s: &trunnion_core::Setup| {
-        SimSetup::new(s.name.clone(), NestOn::Table, s.ball_in_table_mm, Instrument::R_TEST)
-    };
-    cycle.setups.iter().map(setup).collect()
+    cycle.setups.iter().map(SimSetup::from).collect()
 }
 
 /// LinuxCNC runs the cycle in this world, the service records it: the recording.

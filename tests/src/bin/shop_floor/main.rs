@@ -18,7 +18,7 @@ use trunnion_cycles::Cycle;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
 use trunnion_hil_sim::devices::{CycleState, Fault, SimulatedCell, World, cell};
 use trunnion_hil_sim::scenario::{Pace, Station};
-use trunnion_hil_sim::{Instrument, NestOn, SimSetup, Truth, VirtualMachine, scenario};
+use trunnion_hil_sim::{SimSetup, Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
 use trunnion_tests::{SILENCE_MS, three_probes};
 
@@ -177,10 +177,7 @@ fn world() -> anyhow::Result<SimulatedCell> {
     let poses = cycle.poses(&machine).context("the cycle follows the ball")?;
     let stations: Vec<Station> =
         poses.iter().map(|pose| Station { setup: pose.setup, position: pose.position }).collect();
-    let of = |setup: &trunnion_core::Setup| {
-        SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, Instrument::R_TEST)
-    };
-    let setups: Vec<SimSetup> = cycle.setups.iter().map(of).collect();
+    let setups: Vec<SimSetup> = cycle.setups.iter().map(SimSetup::from).collect();
     let truth = Truth::draw(&machine, &setups, &[], scenario::duration_s(stations.len(), PACE), 3)?;
     let machine = Arc::new(VirtualMachine::new(machine, truth)?);
     Ok(scenario::static_cycle(machine, &cycle.name, &stations, PACE)?)

@@ -1,27 +1,27 @@
-//! A ball-bar cycle as a controller runs it: its NC program as steps of the virtual machine, and which bar is in at each.
+//! A cycle as a controller runs it: its NC program as steps of the virtual machine, and which setup is mounted at each.
 
 use crate::interpreter::{Event, interpret};
-use trunnion_core::{AxisValues, Setup, convert};
+use trunnion_core::{AxisValues, convert};
 use trunnion_cycles::nc::{Block, DIALECTS, Program};
 use trunnion_cycles::{CourseRules, Cycle};
+use trunnion_hil_sim::SimSetup;
 use trunnion_hil_sim::motion::{Program as Steps, Step, Trajectory};
-use trunnion_hil_sim::{Instrument, NestOn, SimSetup};
 use trunnion_machine::Machine;
 
 /// The free spindle goes so many times as fast as programmed.
 const HURRY: f64 = 20.0;
 
 /// The program of a cycle, under way.
-pub struct BarProgram {
+pub struct CycleProgram {
     pub trajectory: Trajectory,
-    /// Whose bar is in; none while the spindle is free.
+    /// Which is mounted; none while the spindle is free.
     pub setup_of_step: Vec<Option<usize>>,
     /// The stops of the program (M0), s.
     pub stops_s: Vec<(f64, f64)>,
 }
 
-impl BarProgram {
-    /// A stop lasts until the operator has put the bar in or taken it out.
+impl CycleProgram {
+    /// A stop lasts until the operator has mounted ball, nest or bar, or taken the bar out.
     pub fn of(cycle: &Cycle, machine: &Machine, rules: &CourseRules, operator_s: f64) -> Self {
         let program = Program::of_cycle(cycle, machine, rules).unwrap();
         let dialect = DIALECTS[0];
@@ -42,7 +42,7 @@ impl BarProgram {
                 }
                 Event::Dwell { seconds } => (Step::Dwell { duration_s: seconds }, seconds),
                 Event::Stop(_) => {
-                    // The message names the setup whose bar is put in, or taken out.
+                    // The message names the setup that is mounted, or whose bar is taken out.
                     let message = stops.next().unwrap();
                     let named =
                         cycle.setups.iter().position(|s| message.contains(&format!("Setup {}:", s.name)));
@@ -67,12 +67,7 @@ fn inside(position: &AxisValues<f64>) -> AxisValues<f64> {
     })
 }
 
-/// How the bars of a cycle are mounted.
+/// How a cycle mounts its instruments.
 pub fn mounted(cycle: &Cycle) -> Vec<SimSetup> {
-    let of = |setup: &Setup| {
-        let bar = Instrument::ball_bar(setup.bar_length_mm.unwrap());
-        let sim = SimSetup::new(setup.name.clone(), NestOn::Table, setup.ball_in_table_mm, bar);
-        SimSetup { ball_in_tool_mm: setup.ball_in_tool_mm, ..sim }
-    };
-    cycle.setups.iter().map(of).collect()
+    cycle.setups.iter().map(SimSetup::from).collect()
 }
