@@ -155,22 +155,25 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     show(&format!("Static cycle: {} poses, two heights, both directions.\n", stations.len()))?;
     let world = scenario::static_cycle(virtual_machine.clone(), &static_cycle.name, &stations, PACE)?;
     let pauses = Pauses::watch();
-    let recorded = measure(args, &board, &static_cycle, STATIC_CYCLE, world, "static").await?;
+    let recorded = measure(args, &board, &static_cycle, STATIC_CYCLE, world, "static").await;
     let mut longest_pause = pauses.longest();
+    let recorded = recorded.map_err(|error| losses::failed(&[], longest_pause, &args.output, error))?;
     drop(pauses);
     show(&format!("Recorded {}\n\n", recorded.path.display()))?;
 
     let date = daemon::day(SystemClock::start().wall_ns());
     let (path, base) = (recorded.path.clone(), Model::base(&machine.name));
+    let mut losses = pages::losses(&recorded.gaps, recorded.lost_samples);
     let analysed =
-        tokio::task::spawn_blocking(move || daemon::analyse_recording(&path, &base, &date)).await??;
+        tokio::task::spawn_blocking(move || daemon::analyse_recording(&path, &base, &date)).await?;
+    let too_little = |error| losses::failed(&losses, longest_pause, &recorded.path, error);
+    let analysed = analysed.map_err(|error| too_little(error.into()))?;
     // With a page the terminal proposes, the person adds: all that follows is of the model that was judged.
     let (words, left) = match &served {
         Some(served) => (proposed(&analysed, &served.address()), analysed.first()),
         None => (story(&analysed), analysed.last()),
     };
     show(&words)?;
-    let mut losses = pages::losses(&recorded.gaps, recorded.lost_samples);
     // The page that follows the demo opens it as soon as there is a result.
     let report = args.output.join("report.html");
     let compared = left.compare().with_left_out(analysed.left_out());
@@ -187,13 +190,16 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         show("\nOn-the-fly cycle: C turns both ways at two feeds.\n")?;
         let world = sweep_world(virtual_machine.clone(), &sweep_cycle)?;
         let pauses = Pauses::watch();
-        let swept = measure(args, &board, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await?;
+        let swept = measure(args, &board, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await;
         longest_pause = longest_pause.max(pauses.longest());
+        let swept = swept.map_err(|error| losses::failed(&[], longest_pause, &args.output, error))?;
         drop(pauses);
         losses.extend(pages::losses(&swept.gaps, swept.lost_samples));
         let swept_runs = trunnion::open(&swept.path)?;
+        let too_little = |error| losses::failed(&losses, longest_pause, &swept.path, error);
         // What a turning C cannot show is left out, not guessed.
-        let fit = swept_runs.fit_within_reach(left.fit().model())?.results();
+        let fit = swept_runs.fit_within_reach(left.fit().model());
+        let fit = fit.map_err(|error| too_little(error.into()))?.results();
         timing.extend(swept_runs.time_quality());
         show(&format!(
             "Recorded {}; {} points while turning. The model of the static cycle leaves {} there, {}.\n",
