@@ -2,7 +2,7 @@
 # Installs, upgrades, removes and purges the Debian package on an emulated computer that is booted by systemd: package.sh PROGRAM
 # Its service reads a serial port there under all restrictions of its unit, is killed and comes back. Exit status: that of the trial inside.
 # Needs: qemu-system-x86 debootstrap cpio binutils python3, and the download of a kernel and of a minimal Debian. Made files:
-# target/package-machine.
+# target/package-machine. With TRUNNION_WRITE_DOCS it writes docs/measured/package.md.
 set -euo pipefail
 program=$(readlink -f "$1")
 here=$(cd "$(dirname "$0")/../.." && pwd)
@@ -59,4 +59,20 @@ timeout 900 qemu-system-x86_64 -M q35 -accel tcg -m 1536 -smp 1 -nographic -no-r
   -serial stdio -serial null -kernel vmlinux -initrd root.cpio \
   -append "console=ttyS0 quiet panic=-1 mitigations=off systemd.unit=trial.service" </dev/null 2>&1 | tr -d '\r' | tee last.log
 status=$(sed -n 's/^.*STATUS=//p' last.log | tail -1)
+if [ -n "${TRUNNION_WRITE_DOCS:-}" ]; then
+  {
+    cat <<'END'
+# The package on a clean Debian
+
+Written by `TRUNNION_WRITE_DOCS=1 tests/peers/run --package`. A minimal Debian 12, booted by systemd on an emulated computer (one processor, in software: some ten times slower than a real one), gets the package, the
+example configuration with its first probe on a serial port that says nothing, and a recording of 84 poses. Every step is a command that has to succeed; the run fails with the first that does not.
+
+END
+    echo "Exposure of the unit by \`systemd-analyze security\`: $exposure."
+    echo
+    echo "| step | command | time |"
+    echo "|---|---|---:|"
+    sed -n 's/^.*passed: \(.*\) | \(.*\) | \(.*\)$/| \1 | \2 | \3 |/p' last.log
+  } >"$here/docs/measured/package.md"
+fi
 exit "${status:-125}"

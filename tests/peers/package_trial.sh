@@ -1,10 +1,13 @@
-# On the emulated computer: the package from its installation to its purge. Prints one line a step, and STATUS at the end.
+# On the emulated computer: the package from its installation to its purge. Prints one line a step with its time, and STATUS at the end.
 failed=0
 step() { # WORDS COMMAND…
-  local words=$1
+  local words=$1 since=$EPOCHREALTIME shown=
   shift
-  if "$@" >/tmp/said 2>&1; then echo "passed: $words"; else echo "FAILED: $words"; cat /tmp/said; failed=1; fi
+  # What a person would type.
+  [ "$(type -t "$1")" != file ] || shown="\`$*\`"
+  if "$@" >/tmp/said 2>&1; then echo "passed: $words | $shown | $(elapsed "$since") s"; else echo "FAILED: $words"; cat /tmp/said; failed=1; fi
 }
+elapsed() { awk -v from="$1" -v to="$EPOCHREALTIME" 'BEGIN { printf "%.1f", to - from }'; }
 until_true() { # SECONDS COMMAND…
   local end=$((SECONDS + $1))
   shift
