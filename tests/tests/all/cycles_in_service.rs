@@ -31,7 +31,7 @@ const TENFOLD: (&str, &str) = ("feeds_deg_per_min = [360]", "feeds_deg_per_min =
 const FIVEFOLD: (&str, &str) = ("feeds_deg_per_min = [720]", "feeds_deg_per_min = [3600]");
 const AS_SHIPPED: (&str, &str) = ("feeds_deg_per_min = [1800, 3600]", "feeds_deg_per_min = [1800, 3600]");
 const AS_SHIPPED_B: (&str, &str) = ("feeds_deg_per_min = [1200, 2400]", "feeds_deg_per_min = [1200, 2400]");
-/// Of a cycle at rest: two windows of a second each are more than the noise of the probes asks for.
+/// Of a cycle at rest: two windows of half a second each are more than the noise of the probes asks for.
 const SHORT_STOPS: (&str, &str) = ("window_s = 0.5", "window_s = 0.1");
 
 const R_TESTS: [Case; 5] = [
