@@ -61,7 +61,7 @@ const DWELL: &str = "Measure again with a longer dwell.";
 /// The mistake with which readings and positions belong together; of a machine that lacks another effect too, next to whichever effect of one
 /// axis leaves the least.
 pub(super) fn exchanged(looked: &Looked) -> Option<Implausible> {
-    let before_um = um_from_mm(looked.left_mm());
+    let before_um = um_from_mm(looked.left_mm);
     if before_um < gross_um(looked) || variation_um(&looked.run) < GROSS_UM {
         return None;
     }
@@ -82,7 +82,7 @@ fn believed(
 ) -> Option<Implausible> {
     let alone = Trial::of(looked);
     let of_alone = tried(&alone);
-    let mostly = of_alone.iter().filter(|((_, left_mm), _)| MOSTLY * left_mm < looked.left_mm());
+    let mostly = of_alone.iter().filter(|((_, left_mm), _)| MOSTLY * left_mm < looked.left_mm);
     let mostly: Vec<String> = mostly.map(|((words, _), _)| words.clone()).collect();
     alone.believed(of_alone, divided, "").or_else(|| {
         let is_one = |((words, _), _): &(Tried, &str)| mostly.contains(words);
@@ -158,7 +158,7 @@ impl<'a> Trial<'a> {
         divided: f64,
         next_to: &str,
     ) -> Option<Implausible> {
-        let before_um = um_from_mm(self.looked.left_mm());
+        let before_um = um_from_mm(self.looked.left_mm);
         let as_given_mm = self.model.rms_mm(&self.experiment.readings_mm());
         let least_mm = tried.iter().map(|((_, left_mm), _)| *left_mm).fold(f64::INFINITY, f64::min);
         let ((mistake, left_mm), to_do) =

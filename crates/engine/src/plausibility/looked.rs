@@ -34,6 +34,8 @@ pub(super) struct Looked<'a> {
     pub setup: Vec<usize>,
     pub experiment: Experiment,
     pub model: Fitted,
+    /// What the base model leaves of the readings as they are, rms, mm.
+    pub left_mm: f64,
     repeated: OnceCell<Option<Repeatability>>,
 }
 
@@ -61,12 +63,17 @@ impl<'a> Looked<'a> {
         let experiment = whole.kept(&kept);
         let looked_at = with_points(run, experiment.points.iter().collect());
         let model = Fitted::new(&experiment)?;
-        Some(Self { whole: run, run: looked_at, kept, setup, experiment, model, repeated: OnceCell::new() })
-    }
-
-    /// What the base model leaves of the readings as they are, rms, mm.
-    pub fn left_mm(&self) -> f64 {
-        self.model.rms_mm(&self.experiment.readings_mm())
+        let left_mm = model.rms_mm(&experiment.readings_mm());
+        Some(Self {
+            whole: run,
+            run: looked_at,
+            kept,
+            setup,
+            experiment,
+            model,
+            left_mm,
+            repeated: OnceCell::new(),
+        })
     }
 
     /// How well the readings repeat; worked out once, for all rules that ask.

@@ -22,7 +22,7 @@ pub(in crate::plausibility) fn by_rows(looked: &Looked) -> Option<Implausible> {
     if run.kind != RunKind::OnTheFly {
         return None;
     }
-    let (repeated, before_mm) = (looked.repeated()?, looked.left_mm());
+    let (repeated, before_mm) = (looked.repeated()?, looked.left_mm);
     let trial = Trial::of(looked);
     let columns = columns(experiment)?;
     let tried =

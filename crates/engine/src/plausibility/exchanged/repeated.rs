@@ -3,7 +3,8 @@
 //! Where a pose is visited on the way there and on the way back, readings that are late belong to the pose before it once and to the one behind
 //! it once. They repeat badly, and shifted back as well as the machine does, whatever it does: an effect is at its pose in every visit, or
 //! differs with the direction by as much at the next one, which repeatability leaves out. Shifted back they also fit the model better: of 372 good
-//! runs of the second simulator two, lines on displays of 0.6 and 1 µm, repeated better with poses two and three rows away. One fitted better by 10⁻⁷, the other worse.
+//! runs of the second simulator two, lines on displays of 0.6 and 1 µm, repeated better with poses two and three rows away. One of them fitted
+//! better by 10⁻⁷, the other worse.
 //! Where one effect of an axis leaves as little (a backlash of many micrometres), it is believed, not the mistake.
 //! Limits: where every pass goes the same way, all visits of a pose hold the same other pose, and repeat.
 
@@ -38,7 +39,7 @@ pub(in crate::plausibility) fn late(looked: &Looked) -> Option<Implausible> {
             let own = experiment.rows_of(at).zip(&mut point.reading_mm);
             own.for_each(|(row, reading)| *reading = rows[row]);
         }
-        let fits_better = BETTER * model.rms_mm(&rows) < looked.left_mm();
+        let fits_better = BETTER * model.rms_mm(&rows) < looked.left_mm;
         fits_better.then_some((words, repeatability(&moved, &passes)?))
     };
     let tried = (1..=MOST_ROWS_LATE).flat_map(shifted).filter_map(repeats);

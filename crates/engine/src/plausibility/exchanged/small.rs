@@ -24,7 +24,7 @@ pub(in crate::plausibility) fn small(looked: &Looked) -> Option<Implausible> {
     if run.setups.iter().any(|setup| setup.instrument.components().len() != 3) {
         return None;
     }
-    let (repeated, before_mm) = (looked.repeated()?, looked.left_mm());
+    let (repeated, before_mm) = (looked.repeated()?, looked.left_mm);
     if fits(&repeated, before_mm) {
         return None;
     }
