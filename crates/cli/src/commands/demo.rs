@@ -154,11 +154,9 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
     };
     show(&format!("Static cycle: {} poses, two heights, both directions.\n", stations.len()))?;
     let world = scenario::static_cycle(virtual_machine.clone(), &static_cycle.name, &stations, PACE)?;
-    let pauses = Pauses::watch();
-    let recorded = measure(args, &board, &static_cycle, STATIC_CYCLE, world, "static").await;
-    let mut longest_pause = pauses.longest();
-    let recorded = recorded.map_err(|error| losses::failed(&[], longest_pause, &args.output, error))?;
-    drop(pauses);
+    let mut longest_pause = Duration::ZERO;
+    let cycle = measure(args, &board, &static_cycle, STATIC_CYCLE, world, "static");
+    let recorded = watched(cycle, &args.output, &mut longest_pause).await?;
     show(&format!("Recorded {}\n\n", recorded.path.display()))?;
 
     let date = daemon::day(SystemClock::start().wall_ns());
@@ -189,11 +187,8 @@ async fn demo(args: &Args) -> anyhow::Result<Outcome> {
         let sweep_cycle = Cycle::parse("demo-sweep-c.toml", SWEEP_CYCLE)?;
         show("\nOn-the-fly cycle: C turns both ways at two feeds.\n")?;
         let world = sweep_world(virtual_machine.clone(), &sweep_cycle)?;
-        let pauses = Pauses::watch();
-        let swept = measure(args, &board, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c").await;
-        longest_pause = longest_pause.max(pauses.longest());
-        let swept = swept.map_err(|error| losses::failed(&[], longest_pause, &args.output, error))?;
-        drop(pauses);
+        let sweep = measure(args, &board, &sweep_cycle, SWEEP_CYCLE, world, "sweep-c");
+        let swept = watched(sweep, &args.output, &mut longest_pause).await?;
         losses.extend(pages::losses(&swept.gaps, swept.lost_samples));
         let swept_runs = trunnion::open(&swept.path)?;
         let too_little = |error| losses::failed(&losses, longest_pause, &swept.path, error);
@@ -284,6 +279,18 @@ fn sweep_world(machine: Arc<VirtualMachine>, cycle: &Cycle) -> anyhow::Result<Si
         bail!("the demo's sweep cycle is not on the fly")
     };
     Ok(scenario::sweep_cycle(machine, &cycle.name, *axis, *from_to_rad, feeds_rad_per_s, others)?)
+}
+
+/// Measures, and how long this computer paused meanwhile, if longer than before.
+async fn watched(
+    measuring: impl Future<Output = anyhow::Result<Recorded>>,
+    folder: &Path,
+    longest_pause: &mut Duration,
+) -> anyhow::Result<Recorded> {
+    let pauses = Pauses::watch();
+    let recorded = measuring.await;
+    *longest_pause = pauses.longest().max(*longest_pause);
+    recorded.map_err(|error| losses::failed(&[], *longest_pause, folder, error))
 }
 
 /// Switches a shop floor on, connects the real drivers to its ports, records one cycle.

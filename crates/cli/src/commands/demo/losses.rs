@@ -76,6 +76,8 @@ mod tests {
             said.contains("too slow") && said.contains("check a.mcap") && said.contains("6 readings"),
             "{said}"
         );
+        let said = failed(&[], Duration::from_secs(9), Path::new("a.mcap"), too_few()).to_string();
+        assert!(said.contains("too slow") && said.contains("6 readings") && !said.contains("gap"), "{said}");
         assert_eq!(
             failed(&[], Duration::ZERO, Path::new("a.mcap"), too_few()).to_string(),
             "6 readings are too few"
