@@ -59,13 +59,13 @@ timeout 900 qemu-system-x86_64 -M q35 -accel tcg -m 1536 -smp 1 -nographic -no-r
   -serial stdio -serial null -kernel vmlinux -initrd root.cpio \
   -append "console=ttyS0 quiet panic=-1 mitigations=off systemd.unit=trial.service" </dev/null 2>&1 | tr -d '\r' | tee last.log
 status=$(sed -n 's/^.*STATUS=//p' last.log | tail -1)
-if [ -n "${TRUNNION_WRITE_DOCS:-}" ]; then
+if [ -n "${TRUNNION_WRITE_DOCS:-}" ] && [ "$status" = 0 ]; then
   {
     cat <<'END'
 # The package on a clean Debian
 
-Written by `TRUNNION_WRITE_DOCS=1 tests/peers/run --package`. A minimal Debian 12, booted by systemd on an emulated computer (one processor, in software: some ten times slower than a real one), gets the package, the
-example configuration with its first probe on a serial port that says nothing, and a recording of 84 poses. Every step is a command that has to succeed; the run fails with the first that does not.
+Written by `TRUNNION_WRITE_DOCS=1 tests/peers/run --package`. A minimal Debian 12, booted by systemd on an emulated computer (one processor, in software, many times slower than a real one), gets the package, the
+example configuration with its first probe on a serial port that says nothing, and a recording of 84 poses. Every step has to succeed, or the run fails and this page stays as it was.
 
 END
     echo "Exposure of the unit by \`systemd-analyze security\`: $exposure."
