@@ -60,7 +60,7 @@ fn run(row: &Row, folder: &Path, wrong: &mut Vec<String>) -> Outcome {
     }
     let answer: Value = serde_json::from_str(&trunnion(folder, &args)).unwrap();
     let truth_text = std::fs::read_to_string(&truth_file).unwrap();
-    let injected = injected(row, &truth_text);
+    let injected = injected(&truth_text, row.also);
     let numbers = match row.method {
         None => found(&answer, &injected),
         Some(_) => {

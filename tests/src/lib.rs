@@ -25,7 +25,14 @@ pub use section::workspace_root;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 pub use three_probes::SILENCE_MS;
+use trunnion_cycles::Cycle;
+use trunnion_hil_sim::SimSetup;
 pub use trunnion_hil_sim::{attempts, pauses};
+
+/// How a cycle mounts its instruments.
+pub fn mounted(cycle: &Cycle) -> Vec<SimSetup> {
+    cycle.setups.iter().map(SimSetup::from).collect()
+}
 
 /// What the program logs is shown when a test fails.
 pub fn show_log() {

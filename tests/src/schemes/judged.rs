@@ -1,7 +1,6 @@
 //! The numbers of an identification against the injected values. The end-to-end test of the schemes takes this file in by its path.
 
 use super::carried::carried;
-use super::rows::Row;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -20,11 +19,11 @@ pub struct Found {
     pub expected: f64,
 }
 
-/// Injected values by name of the parameter, screen units, from the text of the row's truth file.
+/// Injected values by name of the parameter, screen units, from the text of a truth file; `also`: what that does not say by itself.
 ///
 /// # Panics
 /// When this is no truth file of linear errors.
-pub fn injected(row: &Row, truth: &str) -> BTreeMap<String, f64> {
+pub fn injected(truth: &str, also: &[(&str, f64)]) -> BTreeMap<String, f64> {
     let file: toml::Table = truth.parse().unwrap();
     let number = |value: &toml::Value| value.as_float().unwrap();
     let mut injected = BTreeMap::new();
@@ -42,7 +41,7 @@ pub fn injected(row: &Row, truth: &str) -> BTreeMap<String, f64> {
         };
         injected.insert(name, size);
     }
-    injected.extend(row.also.iter().map(|(name, value)| (name.to_string(), *value)));
+    injected.extend(also.iter().map(|(name, value)| (name.to_string(), *value)));
     injected
 }
 

@@ -92,7 +92,7 @@ pub fn trial(row: &Row, kind: NoiseKind, seed: u64) -> anyhow::Result<Vec<Found>
     let machine_text = trunnion::files::machine_text(&cycle.machine)?;
     trunnion::tables::record(&recording, &run, &machine_text, &cycle_text, &[])?;
 
-    let mut injected = injected(row, &truth_text);
+    let mut injected = injected(&truth_text, row.also);
     injected.values_mut().for_each(|value| *value *= times);
     let experiment = trunnion::open(&recording)?;
     if let Some(method) = row.method {

@@ -1,6 +1,6 @@
 //! A service whose bar counts from another zero than its configuration says: a doubt with the first points, and no verdict.
 
-use crate::cycle_program::{CycleProgram, mounted};
+use crate::cycle_program::CycleProgram;
 use crate::cycles_in_service::{LATER_S, OPERATOR_S, cell, floor, quick};
 use crate::service::measured;
 use std::path::Path;
@@ -11,6 +11,7 @@ use trunnion_hil_sim::devices::Later;
 use trunnion_hil_sim::devices::canopen::NodeKind;
 use trunnion_hil_sim::{Truth, VirtualMachine};
 use trunnion_machine::shipped;
+use trunnion_tests::mounted;
 
 const CYCLE: &str = include_str!("../../../config/cycles/s4-c.toml");
 /// What the encoder shows at the length of the bar; the configuration of the service says 10 mm.

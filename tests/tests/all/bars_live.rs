@@ -1,7 +1,7 @@
 //! Every ball-bar cycle is read live: its NC program, samples of axes and bar, points, and the base model fitted to them, against
 //! a virtual machine.
 
-use crate::cycle_program::{CycleProgram, mounted};
+use crate::cycle_program::CycleProgram;
 use trunnion_core::{AxisSample, Channel, Point, ProbeSample, Quality, Role};
 use trunnion_cycles::{CourseRules, Cycle, Run};
 use trunnion_effects::Model;
@@ -11,7 +11,7 @@ use trunnion_machine::{Machine, shipped};
 use trunnion_sync::forming::Forming;
 use trunnion_sync::plan::Plan;
 use trunnion_sync::{CycleEvent, EndReason, NestCalibration};
-use trunnion_tests::workspace_root;
+use trunnion_tests::{mounted, workspace_root};
 
 const CYCLES: [&str; 14] = [
     "ball-bar-c",

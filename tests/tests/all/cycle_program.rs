@@ -4,7 +4,6 @@ use crate::interpreter::{Event, interpret};
 use trunnion_core::{AxisValues, convert};
 use trunnion_cycles::nc::{Block, DIALECTS, Program};
 use trunnion_cycles::{CourseRules, Cycle};
-use trunnion_hil_sim::SimSetup;
 use trunnion_hil_sim::motion::{Program as Steps, Step, Trajectory};
 use trunnion_machine::Machine;
 
@@ -65,9 +64,4 @@ fn inside(position: &AxisValues<f64>) -> AxisValues<f64> {
     AxisValues::from_fn(|letter| {
         if letter.is_rotary() { convert::rad_from_deg(position[letter]) } else { position[letter] }
     })
-}
-
-/// How a cycle mounts its instruments.
-pub fn mounted(cycle: &Cycle) -> Vec<SimSetup> {
-    cycle.setups.iter().map(SimSetup::from).collect()
 }

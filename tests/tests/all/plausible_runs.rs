@@ -1,6 +1,5 @@
 //! Good runs with whatever physics are plausible; sweeps whose readings belong to the row before are named.
 
-use crate::cycle_program::mounted;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -10,6 +9,7 @@ use trunnion_engine::plausibility::{Implausible, PositionDigits, implausible};
 use trunnion_hil_sim::physics::hidden::ids;
 use trunnion_hil_sim::{HiddenChoice, Truth, VirtualMachine};
 use trunnion_machine::shipped;
+use trunnion_tests::mounted;
 
 const CYCLE: &str = include_str!("../../../config/cycles/r-test-sweep-c.toml");
 /// Machines with a cycle at rest each; of a head, how much farther below its axes the ball is: a long tool.

@@ -1,6 +1,5 @@
 //! The service end to end: virtual devices on real ports, a probe unplugged in the middle of the cycle; delays found on the fly.
 
-use crate::cycle_program::mounted;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,7 +23,7 @@ use trunnion_service::cycles::Cycles;
 use trunnion_service::daemon::{Texts, serve};
 use trunnion_service::live::Plan;
 use trunnion_tests::pauses::Pauses;
-use trunnion_tests::{reports, show_log, three_probes};
+use trunnion_tests::{mounted, reports, show_log, three_probes};
 
 const CYCLE: &str = include_str!("../../../config/cycles/demo-static.toml");
 pub const SWEEP: &str = include_str!("../../../config/cycles/demo-sweep-c.toml");

@@ -15,9 +15,9 @@ use trunnion_core::{AxisValues, Clock, Joint, State, convert};
 use trunnion_cycles::nc::{Program, dialect};
 use trunnion_cycles::{CourseRules, Cycle};
 use trunnion_effects::Model;
+use trunnion_hil_sim::VirtualMachine;
 use trunnion_hil_sim::devices::cell::CellConfig;
 use trunnion_hil_sim::devices::{CycleState, TimeOrigin, World, cell, orthogonal_nest};
-use trunnion_hil_sim::{SimSetup, VirtualMachine};
 use trunnion_machine::{Machine, shipped};
 use trunnion_service::clock::SystemClock;
 use trunnion_service::config::Config;
@@ -164,11 +164,6 @@ pub struct Task<'a> {
     pub analysed: bool,
     /// Between poses, mm/s.
     pub transfer_mm_per_s: f64,
-}
-
-/// The setups of a cycle as the simulated machine has them.
-pub fn sim_setups(cycle: &Cycle) -> Vec<SimSetup> {
-    cycle.setups.iter().map(SimSetup::from).collect()
 }
 
 /// LinuxCNC runs the cycle in this world, the service records it: the recording.

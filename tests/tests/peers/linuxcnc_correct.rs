@@ -4,7 +4,7 @@
 //! is compiled by halcompile and loaded; the cycle runs again through the same ports. Four poses catch a component with the wrong
 //! sign; one command restores the machine.
 
-use crate::linuxcnc_cell::{Followed, Task, measure, sim_setups};
+use crate::linuxcnc_cell::{Followed, Task, measure};
 use crate::linuxcnc_process::{Drives, LinuxCnc};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -18,7 +18,7 @@ use trunnion_core::convert::um_from_mm;
 use trunnion_cycles::Cycle;
 use trunnion_hil_sim::{HiddenChoice, Truth, VirtualMachine};
 use trunnion_machine::{Machine, shipped};
-use trunnion_tests::{show_log, workspace_root};
+use trunnion_tests::{mounted, show_log, workspace_root};
 
 const MODEL: &str = "format = \"trunnion-model/1\"\nmachine = \"table-bc\"\n[[effect]]\nid = \"location-errors\"\n[[effect]]\nid = \"ball-setting\"\n\
                      [[effect]]\nid = \"gravity-sag:B\"\n[[effect]]\nid = \"encoder-eccentricity:C\"\n";
@@ -127,7 +127,7 @@ async fn errors_fall_by_nine_tenths_when_linuxcnc_applies_the_correction() {
     let machine = shipped::machine("table-bc").unwrap();
     let hidden =
         ["gravity-sag:B", "encoder-eccentricity:C"].map(|id| HiddenChoice { id: id.into(), sigma: 1.0 });
-    let mut truth = Truth::draw(&machine, &sim_setups(&cycle), &hidden, 600.0, 11).unwrap();
+    let mut truth = Truth::draw(&machine, &mounted(&cycle), &hidden, 600.0, 11).unwrap();
     // Small motions without a name stay in every machine; here the question is what becomes of those with one.
     truth.noise.natural_motion_mm = 0.0;
     let hidden = VirtualMachine::new(machine.clone(), truth).unwrap();

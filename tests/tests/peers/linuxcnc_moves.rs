@@ -1,14 +1,14 @@
 //! LinuxCNC moves five axes by our NC program while simulated probes follow its real positions: our service records the
 //! cycle, and the location errors hidden in the machine are found.
 
-use crate::linuxcnc_cell::{Followed, Task, measure, sim_setups};
+use crate::linuxcnc_cell::{Followed, Task, measure};
 use crate::linuxcnc_process::{Drives, LinuxCnc};
 use std::collections::BTreeMap;
 use trunnion_cycles::Cycle;
 use trunnion_hil_sim::truth::minimum_set;
 use trunnion_hil_sim::{Truth, VirtualMachine};
 use trunnion_machine::shipped;
-use trunnion_tests::show_log;
+use trunnion_tests::{mounted, show_log};
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 #[ignore = "a peer test: tests/peers/run"]
@@ -20,7 +20,7 @@ async fn location_errors_are_found_in_a_cycle_that_linuxcnc_moves() {
     let cycle = Cycle::parse("c.toml", &cycle_text).unwrap();
     let machine = shipped::machine("table-bc").unwrap();
     let poses = cycle.poses(&machine).unwrap().len();
-    let setups = sim_setups(&cycle);
+    let setups = mounted(&cycle);
     let truth = Truth::draw(&machine, &setups, &[], 600.0, 11).unwrap();
     let hidden: BTreeMap<String, f64> =
         minimum_set(&machine).iter().map(|error| (error.name(), error.of(&truth.location))).collect();

@@ -18,9 +18,9 @@ use trunnion_cycles::Cycle;
 use trunnion_hil_sim::devices::cell::{Cell, CellConfig};
 use trunnion_hil_sim::devices::{CycleState, Fault, SimulatedCell, World, cell};
 use trunnion_hil_sim::scenario::{Pace, Station};
-use trunnion_hil_sim::{SimSetup, Truth, VirtualMachine, scenario};
+use trunnion_hil_sim::{Truth, VirtualMachine, scenario};
 use trunnion_machine::shipped;
-use trunnion_tests::{SILENCE_MS, three_probes};
+use trunnion_tests::{SILENCE_MS, mounted, three_probes};
 
 const CYCLE: &str = include_str!("../../../../config/cycles/demo-static.toml");
 const OTHER_CYCLE: &str = include_str!("../../../../config/cycles/demo-sweep-c.toml");
@@ -177,8 +177,7 @@ fn world() -> anyhow::Result<SimulatedCell> {
     let poses = cycle.poses(&machine).context("the cycle follows the ball")?;
     let stations: Vec<Station> =
         poses.iter().map(|pose| Station { setup: pose.setup, position: pose.position }).collect();
-    let setups: Vec<SimSetup> = cycle.setups.iter().map(SimSetup::from).collect();
-    let truth = Truth::draw(&machine, &setups, &[], scenario::duration_s(stations.len(), PACE), 3)?;
+    let truth = Truth::draw(&machine, &mounted(&cycle), &[], scenario::duration_s(stations.len(), PACE), 3)?;
     let machine = Arc::new(VirtualMachine::new(machine, truth)?);
     Ok(scenario::static_cycle(machine, &cycle.name, &stations, PACE)?)
 }
